@@ -1,0 +1,83 @@
+//! `brdfit`: fits measured isotropic BRDFs. Arguments as typed (`args`) become a checked plan (`plan`), and each subcommand
+//! is one file. Only this crate knows colour, progress and exit codes.
+#![forbid(unsafe_code)]
+
+mod args;
+mod batch;
+mod compare;
+mod completions;
+mod console;
+mod demo;
+mod diagnostics;
+mod documents;
+mod embedded;
+mod fit;
+mod info;
+mod info_text;
+mod inputs;
+mod json;
+mod man;
+mod material;
+mod merge;
+mod noise;
+mod outcome;
+mod output;
+mod picture;
+mod plan;
+mod resume;
+mod schema;
+mod summary;
+mod synth;
+mod table;
+
+use std::process::ExitCode;
+
+use args::{Cli, Command};
+use clap::{CommandFactory, FromArgMatches};
+use console::Console;
+use outcome::Outcome;
+
+fn main() -> ExitCode {
+    let cli = match parse() {
+        Ok(cli) => cli,
+        Err(error) => return tell(&error).into(),
+    };
+    let console = Console::new(cli.quiet, cli.color);
+    let outcome = run(&cli, &console).unwrap_or_else(|error| {
+        console.error(&error);
+        Outcome::of(&error)
+    });
+    outcome.into()
+}
+
+fn run(cli: &Cli, console: &Console) -> anyhow::Result<Outcome> {
+    ctrlc::set_handler(|| output::end(Outcome::INTERRUPTED))?;
+    diagnostics::start(cli.verbose, console);
+    rayon::ThreadPoolBuilder::new().num_threads(cli.threads.unwrap_or(0).into()).build_global()?;
+    match &cli.command {
+        Command::Fit(args) => fit::run(args, console),
+        Command::Info(args) => info::run(args, console),
+        Command::Synth(args) => synth::run(args, console),
+        Command::Compare(args) => compare::run(args, console),
+        Command::Merge(args) => merge::run(args, console),
+        Command::Schema(args) => schema::run(args),
+        Command::Demo(args) => demo::run(args, console),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => man::run(args),
+    }
+}
+
+/// Reads the command line. `--color` counts for the help and the errors of this step too.
+fn parse() -> Result<Cli, clap::Error> {
+    let color = args::color_of(std::env::args_os().skip(1));
+    Cli::from_arg_matches(&Cli::command().color(color).try_get_matches()?)
+}
+
+/// Prints help, version, or what is wrong with the command line.
+fn tell(message: &clap::Error) -> Outcome {
+    match (message.print(), message.use_stderr()) {
+        (_, true) => Outcome::Usage,
+        (Err(error), _) if error.kind() != std::io::ErrorKind::BrokenPipe => Outcome::InputOutput,
+        _ => Outcome::Done,
+    }
+}

@@ -1,0 +1,25 @@
+//! `brdfit schema`: the JSON Schema (draft 2020-12) of each document, made from the types that write it.
+
+use brdfit_fit::document::{FitDocument, SummaryDocument};
+use brdfit_merl::Health;
+use schemars::Schema;
+use schemars::generate::SchemaSettings;
+
+use crate::args::{SchemaArgs, SchemaName};
+use crate::json;
+use crate::outcome::Outcome;
+use crate::output;
+
+pub(crate) fn run(args: &SchemaArgs) -> anyhow::Result<Outcome> {
+    output::deliver(None, &json::to_vec(&schema(args.document)))?;
+    Ok(Outcome::Done)
+}
+
+fn schema(document: SchemaName) -> Schema {
+    let generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
+    match document {
+        SchemaName::Fit => generator.into_root_schema_for::<FitDocument>(),
+        SchemaName::Summary => generator.into_root_schema_for::<SummaryDocument>(),
+        SchemaName::Info => generator.into_root_schema_for::<Vec<Health>>(),
+    }
+}
