@@ -10,6 +10,7 @@ use clap_complete::Shell;
 
 use crate::compare::{self, CompareArgs};
 use crate::demo::{self, DemoArgs};
+use crate::synth;
 
 /// Fit measured isotropic BRDFs (MERL format) with the SGD microfacet model.
 #[derive(Debug, Parser)]
@@ -68,7 +69,7 @@ pub(crate) enum Command {
     #[command(after_help = INFO_EXAMPLES)]
     Info(InfoArgs),
     /// Make a MERL file from a fit or from an embedded material
-    #[command(after_help = SYNTH_EXAMPLES)]
+    #[command(after_help = synth::examples())]
     Synth(SynthArgs),
     /// Compare fits with reference fits, with tolerances
     #[command(after_help = compare::EXAMPLES)]
@@ -247,11 +248,6 @@ pub(crate) struct SynthArgs {
     #[arg(long, value_name = "N", default_value_t = 0, requires = "noise", help_heading = "Noise")]
     pub(crate) seed: u64,
 }
-
-const SYNTH_EXAMPLES: &str = "\
-Examples:
-  brdfit synth fits/gold.json -o gold.binary
-  brdfit synth gold-metallic-paint -o gold.binary --noise 0.05 --seed 7";
 
 /// Options of `brdfit merge`.
 #[derive(Debug, Args)]

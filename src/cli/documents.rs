@@ -66,7 +66,7 @@ mod tests {
         for (content, part) in [
             ("", "empty (0 bytes), not a sample"),
             ("{", "is not JSON and so not a sample (EOF"),
-            ("[1]", "is not a sample (invalid"),
+            ("\"text\"", "is not a sample (invalid"),
             ("{}", "missing field `value` at line 1"),
             (r#"{"value": 1e999}"#, "number out of range"),
             (r#"{"schema_version": 99, "value": 1}"#, "has schema version 99"),

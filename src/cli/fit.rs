@@ -38,7 +38,7 @@ fn print(plan: &FitPlan) -> anyhow::Result<Outcome> {
 }
 
 /// Fits all inputs into a folder.
-fn fill(folder: &Path, plan: &FitPlan, console: &Console) -> anyhow::Result<Outcome> {
+pub(crate) fn fill(folder: &Path, plan: &FitPlan, console: &Console) -> anyhow::Result<Outcome> {
     output::folder(folder)?;
     let fitter = Fitter::new(plan.job.clone());
     let progress = console.progress(plan.inputs.len(), "fitting");

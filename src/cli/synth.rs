@@ -16,6 +16,17 @@ use crate::noise::Noise;
 use crate::outcome::{Outcome, Problem};
 use crate::output;
 
+/// What stands below the options in the help.
+pub(crate) fn examples() -> String {
+    let names: Vec<String> = embedded::names().map(|name| format!("  {name}\n")).collect();
+    format!("{EXAMPLES}\n\nEmbedded materials:\n{}", names.concat().trim_end_matches('\n'))
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  brdfit synth fits/gold.json -o gold.binary
+  brdfit synth gold-metallic-paint -o gold.binary --noise 0.05 --seed 7";
+
 pub(crate) fn run(args: &SynthArgs, console: &Console) -> anyhow::Result<Outcome> {
     if !(0.0..=10.0).contains(&args.noise) {
         return Err(Problem::usage(format!("--noise {}: must lie between 0 and 10", args.noise)).into());
@@ -92,7 +103,7 @@ impl Source {
         let names: Vec<&str> = embedded::names().collect();
         let nearest = names.iter().copied().min_by_key(|candidate| distance(&name, candidate));
         let guess = match nearest {
-            Some(candidate) if distance(&name, candidate) <= name.chars().count().div_ceil(2) => {
+            Some(candidate) if distance(&name, candidate) <= candidate.chars().count() / 2 => {
                 format!("did you mean {candidate}? ")
             }
             _ => String::new(),

@@ -133,7 +133,7 @@ pub struct StepReport {
     pub solver: String,
     /// Residuals.
     pub rows: usize,
-    /// Half the sum of squared residuals at the solution.
+    /// Half the sum of squared residuals at the solution; with the flag no_specular, of the solution before it was dropped.
     pub cost: f64,
     /// Root of the sum of squared residuals at the solution.
     pub residual_norm: f64,

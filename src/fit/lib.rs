@@ -22,4 +22,4 @@ pub use options::{
     ALPHA_RANGE, Anchor, Constraint, DistributionSharing, FitOptions, Loss, OptionsError, P_RANGE, Step2Solver,
 };
 pub use panel::{PanelGeometry, error_panel};
-pub use two_step::{FitError, MaterialFit, fit_slices};
+pub use two_step::{FitError, MaterialFit, fit_slices, step_costs};

@@ -119,7 +119,7 @@ pub enum Loss {
     Log1pCos,
     /// Step 1: `w^0.5 [sqrt(m cos) - sqrt(y cos)]`, independent of the scale of f; step 2: the linearised cube root.
     SqrtCos,
-    /// Step 1: `w^0.5 (m - y)` (thesis eq. V.6); step 2: the difference of the extracted Fresnel curves (thesis V.4.2).
+    /// Step 1: `w^0.5 (m - y)` (thesis eq. V.6); step 2: `m - y`, unweighted.
     L2,
 }
 

@@ -27,7 +27,7 @@ impl PanelGeometry {
     pub fn new(dimensions: Dimensions, position: SamplePosition) -> Self {
         let grid = Grid::new(dimensions, position);
         let angles: Vec<f64> = (0..ALBEDO_ANGLES).map(|n| (5.0 * n as f64).to_radians()).collect();
-        Self { directions: Directions::new(&grid), albedo: AlbedoPlan::new(dimensions, &angles), grid }
+        Self { directions: Directions::new(&grid), albedo: AlbedoPlan::new(dimensions, position, &angles), grid }
     }
 }
 

@@ -6,9 +6,9 @@
 
 use crate::g1_table::G1Table;
 use crate::lm::{self, Bound, Bounds, LeastSquares, LmError, Solution};
-use crate::options::{ALPHA_RANGE, FitOptions, Loss, P_RANGE};
+use crate::options::{ALPHA_RANGE, Constraint, FitOptions, Loss, P_RANGE};
 use crate::rows::{Row, ring};
-use brdfit_brdf::{ShiftedGamma, SmithG1};
+use brdfit_brdf::{Sgd, ShiftedGamma, SmithG1};
 use brdfit_merl::Dimensions;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -27,13 +27,13 @@ const CONTENDER: f64 = 1.02;
 pub(crate) struct Step1 {
     /// Diffuse albedo per channel.
     pub(crate) rho_d: Vec<f64>,
-    /// `Fr D(0)` per channel, 1/sr.
+    /// `Fr D(0)` per channel, 1/sr; below zero for a dip.
     pub(crate) peak: Vec<f64>,
     /// The distribution.
     pub(crate) distribution: ShiftedGamma,
     /// The solver's result in the unknowns ln rho_d, ln peak per channel, ln alpha, p.
     pub(crate) solution: Solution,
-    /// Number of the winning start.
+    /// Number of the winning start; with a free Fresnel term the starts of a dip follow those of a lobe.
     pub(crate) start: usize,
     /// Iterations of the winning start, search and finish together.
     pub(crate) iterations: u64,
@@ -42,32 +42,38 @@ pub(crate) struct Step1 {
 impl Step1 {
     /// Fits the given channels with one distribution.
     pub(crate) fn fit(rows: &[Row], channels: &[usize], options: &FitOptions) -> Result<Self, LmError> {
-        let search = Problem::new(rows, channels, options, Masking::Table(G1Table::of(options.sample_position)));
-        let exact = Problem { masking: Masking::Exact, ..search.clone() };
         let bounds = bounds(channels.len())?;
         let lm_options = lm::Options { iteration_limit: options.max_iterations, ..lm::Options::default() };
         let search_options = lm::Options { ftol: 1e-7, xtol: 1e-7, gtol: 1e-7, ..lm_options.clone() };
-        let searched: Vec<Solution> = options
-            .starts
+        let problem = |sign, masking| Problem::new(rows, channels, options, sign, masking);
+        let table = Masking::Table(G1Table::of(options.sample_position));
+        let signs = if options.constraint == Constraint::Free && channels.len() == 1 { &[1.0, -1.0][..] } else { &[1.0] };
+        let starts: Vec<(f64, [f64; 2])> =
+            signs.iter().flat_map(|&sign| options.starts.iter().map(move |&start| (sign, start))).collect();
+        let searched: Vec<Solution> = starts
             .par_iter()
-            .map(|&start| lm::minimise(&search, &search.start(start), &bounds, &search_options))
+            .map(|&(sign, start)| {
+                let search = problem(sign, table);
+                lm::minimise(&search, &search.start(start), &bounds, &search_options)
+            })
             .collect::<Result<_, _>>()?;
         let best = searched.iter().map(|solution| solution.cost).fold(f64::INFINITY, f64::min);
         let mut winner: Option<(Solution, usize, u64)> = None;
-        let mut finished: Vec<&[f64]> = Vec::new();
-        for (start, found) in searched.iter().enumerate() {
-            let repeated = finished.iter().any(|other| other.iter().zip(&found.parameters).all(|(a, b)| (a - b).abs() < 1e-4));
-            if found.cost > CONTENDER * best || repeated {
+        let mut finished: Vec<(f64, &[f64])> = Vec::new();
+        for (index, (found, &(sign, _))) in searched.iter().zip(&starts).enumerate() {
+            let same = |other: &[f64]| other.iter().zip(&found.parameters).all(|(a, b)| (a - b).abs() < 1e-4);
+            if found.cost > CONTENDER * best || finished.iter().any(|&(other, at)| other == sign && same(at)) {
                 continue;
             }
-            finished.push(&found.parameters);
-            let solution = lm::minimise(&exact, &found.parameters, &bounds, &lm_options)?;
+            finished.push((sign, &found.parameters));
+            let solution = lm::minimise(&problem(sign, Masking::Exact), &found.parameters, &bounds, &lm_options)?;
             if winner.as_ref().is_none_or(|(other, ..)| solution.cost < other.cost) {
                 let iterations = found.iterations + solution.iterations;
-                winner = Some((solution, start, iterations));
+                winner = Some((solution, index, iterations));
             }
         }
         let (solution, start, iterations) = winner.expect("the best start is always a contender");
+        let sign = starts[start].0;
         let n = channels.len();
         let value = |index: usize, range: [f64; 2]| match solution.active[index] {
             Some(Bound::Lower) => range[0],
@@ -79,7 +85,7 @@ impl Step1 {
             .expect("the box lies inside of the model's domain");
         Ok(Self {
             rho_d: (0..n).map(|c| value(2 * c, DIFFUSE_RANGE)).collect(),
-            peak: (0..n).map(|c| value(2 * c + 1, PEAK_RANGE)).collect(),
+            peak: (0..n).map(|c| sign * value(2 * c + 1, PEAK_RANGE)).collect(),
             distribution,
             solution,
             start,
@@ -87,13 +93,34 @@ impl Step1 {
         })
     }
 
+    /// The cost of given parameters in one channel.
+    pub(crate) fn cost_of(rows: &[Row], channel: usize, sgd: &Sgd, options: &FitOptions) -> f64 {
+        let problem = Problem::new(rows, &[channel], options, 1.0, Masking::Exact);
+        let fr = sgd.parameters().rho_s * sgd.parameters().fresnel().value(1.0);
+        let squares = problem.rows.iter().map(|row| {
+            let ratio = sgd.smith().g1(row.theta) / row.cos;
+            let y = (sgd.parameters().rho_d + fr * sgd.distribution().d_at(row.theta) * ratio * ratio) / PI;
+            let residual = row.weight * (row.transformed[channel] - problem.loss.transform(y, row.cos).0);
+            residual * residual
+        });
+        0.5 * squares.sum::<f64>()
+    }
+
     /// `Fr`, the mean of `rho_s F(0)` over the peak, of the n-th channel of the fit.
     pub(crate) fn fr(&self, n: usize) -> f64 {
         self.peak[n] / self.distribution.d_at(0.0)
     }
 
+    /// Whether the slice has no specular lobe at all: its height ended at the lower bound, and is taken as zero.
+    pub(crate) fn is_flat(&self, n: usize) -> bool {
+        self.solution.active[2 * n + 1] == Some(Bound::Lower)
+    }
+
     /// The fitted slice at theta_h for the n-th channel of the fit, 1/sr.
     pub(crate) fn curve(&self, n: usize, smith: &SmithG1, theta_h: f64) -> f64 {
+        if self.is_flat(n) {
+            return self.rho_d[n] / PI;
+        }
         let ratio = smith.g1(theta_h) / libm::cos(theta_h);
         (self.rho_d[n] + self.fr(n) * self.distribution.d_at(theta_h) * ratio * ratio) / PI
     }
@@ -134,6 +161,8 @@ struct Problem {
     rows: Vec<FixedRow>,
     channels: Vec<usize>,
     loss: Loss,
+    /// +1 for a lobe, -1 for a dip of the slice around theta_h = 0, which only a free Fresnel term can follow.
+    sign: f64,
     masking: Masking,
 }
 
@@ -175,7 +204,7 @@ impl Loss {
 }
 
 impl Problem {
-    fn new(rows: &[Row], channels: &[usize], options: &FitOptions, masking: Masking) -> Self {
+    fn new(rows: &[Row], channels: &[usize], options: &FitOptions, sign: f64, masking: Masking) -> Self {
         let loss = options.loss;
         let rows = rows
             .iter()
@@ -194,17 +223,21 @@ impl Problem {
                 }
             })
             .collect();
-        Self { rows, channels: channels.to_vec(), loss, masking }
+        Self { rows, channels: channels.to_vec(), loss, sign, masking }
     }
 
-    /// The unknowns at a start (alpha, p): the diffuse level from the 10 % quantile of the rows, the peak from the largest.
+    /// The unknowns at a start (alpha, p): the diffuse level from the 10 % quantile of the rows, the peak from the largest; for a
+    /// dip the 90 % quantile and the smallest.
     fn start(&self, [alpha, p]: [f64; 2]) -> Vec<f64> {
         let mut unknowns = Vec::with_capacity(self.parameters());
         for &channel in &self.channels {
             let mut values: Vec<f64> = self.rows.iter().map(|row| row.measured[channel]).collect();
             values.sort_by(f64::total_cmp);
-            let rho_d = (PI * quantile(&values, 0.1)).max(START_FLOOR);
-            let peak = (PI * values[values.len() - 1] - rho_d).max(START_FLOOR);
+            let (share, extreme) = if self.sign > 0.0 { (0.1, values[values.len() - 1]) } else { (0.9, values[0]) };
+            let rho_d = (PI * quantile(&values, share)).clamp(START_FLOOR, DIFFUSE_RANGE[1]);
+            // the shape rises to at most 3.65 inside of the box: a dip this deep leaves the model above zero
+            let most = if self.sign > 0.0 { f64::INFINITY } else { 0.25 * rho_d };
+            let peak = (self.sign * (PI * extreme - rho_d)).max(START_FLOOR).min(most);
             unknowns.extend([libm::log(rho_d), libm::log(peak)]);
         }
         unknowns.extend([libm::log(alpha), p]);
@@ -247,7 +280,7 @@ impl Problem {
         for (row, shape, slopes) in self.shapes(x[2 * n], x[2 * n + 1]) {
             for c in 0..n {
                 let [rho_d, peak] = levels[c];
-                let lobe = peak * shape;
+                let lobe = self.sign * peak * shape;
                 let (transformed, slope) = self.loss.transform((rho_d + lobe) / PI, row.cos);
                 r[index] = row.weight * (row.transformed[self.channels[c]] - transformed);
                 if let Some(j) = jacobian.as_deref_mut() {

@@ -10,7 +10,7 @@ use crate::nnls::nnls;
 use crate::options::{Anchor, FitOptions, Loss, Step2Solver};
 use crate::rows::Row;
 use crate::step1::Step1;
-use brdfit_brdf::SmithG1;
+use brdfit_brdf::{Sgd, SgdParameters, SmithG1};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::f64::consts::PI;
 
@@ -28,7 +28,7 @@ pub(crate) struct Step2 {
     pub(crate) anchor: f64,
     /// Whether the measured peak cell was too low for [`Anchor::Peak`].
     pub(crate) peak_missed: bool,
-    /// Half the sum of squared residuals.
+    /// Half the sum of squared residuals, before a negligible specular part is dropped.
     pub(crate) cost: f64,
     /// Rows used.
     pub(crate) rows: usize,
@@ -82,11 +82,11 @@ impl Step2 {
                 linear.solve_by_lm(&generators, true, options)?
             }
         };
+        let cost = linear.cost(&u);
         let none = if conditions.is_empty() { u.z.abs() <= NO_SPECULAR } else { u.z <= NO_SPECULAR };
         let u = if none { Vector3::zeros() } else { u };
         let [rho_s, f0, f1] = if none { [0.0; 3] } else { [u.z, u.x / u.z, u.y / u.z] };
         let active: Vec<&HalfSpace> = if none { Vec::new() } else { active_at(&conditions, &u) };
-        let cost = linear.cost(&u);
         Ok(Self {
             rho_s,
             f0,
@@ -102,6 +102,14 @@ impl Step2 {
             active: if none { vec!["rho_s = 0".to_owned()] } else { active.iter().map(|c| c.name.clone()).collect() },
             diffuse,
         })
+    }
+
+    /// The cost of given parameters in one channel, with the peak height D(0) of their own distribution.
+    pub(crate) fn cost_of(rows: &[Row], channel: usize, sgd: &Sgd, options: &FitOptions) -> f64 {
+        let SgdParameters { rho_d, rho_s, f0, f1, .. } = *sgd.parameters();
+        let d0 = sgd.distribution().d_at(0.0);
+        let linear = Linear::new(rows, channel, rho_d / PI, d0, sgd.smith(), options.loss);
+        linear.cost(&(Vector3::new(f0, f1, 1.0) * rho_s))
     }
 
     /// The fitted slice at theta_d, 1/sr.
@@ -141,8 +149,7 @@ impl Linear {
                     let root = libm::cbrt((measured * cos).max(1e-6));
                     cos / (root * root)
                 }
-                // the Fresnel curve that the thesis extracts from the slice
-                Loss::L2 => 1.0 / q,
+                Loss::L2 => 1.0,
             };
             design.set_row(index, &(basis(cos) * (q * weight)).transpose());
             target[index] = weight * (measured - diffuse);

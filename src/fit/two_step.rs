@@ -7,7 +7,7 @@ use crate::options::{DistributionSharing, FitOptions, OptionsError, Step2Solver}
 use crate::rows::{Row, rows_within};
 use crate::step1::{Step1, unknown_name};
 use crate::step2::Step2;
-use brdfit_brdf::{G1Curve, Sgd, SgdParameters, SmithG1, directional_albedo};
+use brdfit_brdf::{G1Curve, ParameterError, Sgd, SgdParameters, SmithG1, directional_albedo};
 use brdfit_merl::Slices;
 use rayon::prelude::*;
 
@@ -53,6 +53,9 @@ pub enum FitError {
         /// The cut-off in degrees.
         cutoff: f64,
     },
+    /// The model cannot be evaluated with these parameters.
+    #[error(transparent)]
+    Parameters(#[from] ParameterError),
     /// The solver refused: a measurement far outside of any BRDF's range.
     #[error("the solver failed in channel {channel}: {source}")]
     Solver {
@@ -71,16 +74,7 @@ pub enum FitError {
 /// # Errors
 /// [`FitError`] for options outside of their range, slices with fewer than eight (theta_h) or four (theta_d) measured rows, or values that overflow.
 pub fn fit_slices(slices: &Slices, options: &FitOptions) -> Result<MaterialFit, FitError> {
-    options.check()?;
-    let rows = |angles, measured, slice, cutoff, needed| {
-        let rows = rows_within(angles, measured, cutoff);
-        if rows.len() < needed {
-            return Err(FitError::FewRows { slice, found: rows.len(), needed, cutoff });
-        }
-        Ok(rows)
-    };
-    let rows_h = rows(&slices.theta_h, &slices.measured_h, "theta_h", options.cutoff_theta_h_degrees, 8)?;
-    let rows_d = rows(&slices.theta_d, &slices.measured_d, "theta_d", options.cutoff_theta_d_degrees, 4)?;
+    let [rows_h, rows_d] = rows_of(slices, options)?;
     let solver_error = |c: usize| move |source| FitError::Solver { channel: CHANNELS[c], source };
     let joint = match options.distribution {
         DistributionSharing::PerChannel => None,
@@ -118,6 +112,41 @@ pub fn fit_slices(slices: &Slices, options: &FitOptions) -> Result<MaterialFit, 
     })
 }
 
+/// The costs of given parameters in both steps, per channel: what [`fit_slices`] minimises, with `Fr = rho_s F(0)` and the peak
+/// height D(0) (a fit's own step 2 may take another, see [`crate::Anchor`]).
+///
+/// # Errors
+/// As [`fit_slices`]; [`FitError::Parameters`] where the model cannot be evaluated.
+pub fn step_costs(
+    slices: &Slices,
+    options: &FitOptions,
+    parameters: &[SgdParameters; 3],
+) -> Result<[[f64; 2]; 3], FitError> {
+    let [rows_h, rows_d] = rows_of(slices, options)?;
+    let mut costs = [[0.0; 2]; 3];
+    for c in 0..3 {
+        let sgd = Sgd::new(parameters[c])?;
+        costs[c] = [Step1::cost_of(&rows_h, c, &sgd, options), Step2::cost_of(&rows_d, c, &sgd, options)];
+    }
+    Ok(costs)
+}
+
+/// The rows of both slices that the options leave.
+fn rows_of(slices: &Slices, options: &FitOptions) -> Result<[Vec<Row>; 2], FitError> {
+    options.check()?;
+    let rows = |angles, measured, slice, cutoff, needed| {
+        let rows = rows_within(angles, measured, cutoff);
+        if rows.len() < needed {
+            return Err(FitError::FewRows { slice, found: rows.len(), needed, cutoff });
+        }
+        Ok(rows)
+    };
+    Ok([
+        rows(&slices.theta_h, &slices.measured_h, "theta_h", options.cutoff_theta_h_degrees, 8)?,
+        rows(&slices.theta_d, &slices.measured_d, "theta_d", options.cutoff_theta_d_degrees, 4)?,
+    ])
+}
+
 /// Puts together what the document says of one channel.
 fn describe(
     channel: usize,
@@ -143,7 +172,7 @@ fn describe(
     step2.enter_standard_errors(&mut standard_errors);
     let derived = Derived {
         k: step1.distribution.k(),
-        fr: step1.fr(n),
+        fr: if step1.is_flat(n) { 0.0 } else { step1.fr(n) },
         anchor: step2.anchor,
         g1: fit_g1(&curve)?,
         albedo: ALBEDO_DEGREES.map(|degrees| directional_albedo(&sgd, &curve, degrees.to_radians())),
@@ -214,7 +243,7 @@ fn standard_errors_step1(n: usize, step1: &Step1) -> StandardErrors {
     let determined = slopes.iter().all(|&(index, _)| of(index).is_some() || step1.solution.active[index].is_some());
     StandardErrors {
         rho_d: of(2 * n).map(|error| error * step1.rho_d[n]),
-        fr: (determined && of(2 * n + 1).is_some()).then(|| step1.fr(n) * variance.max(0.0).sqrt()),
+        fr: (determined && of(2 * n + 1).is_some()).then(|| step1.fr(n).abs() * variance.max(0.0).sqrt()),
         alpha: of(2 * channels).map(|error| error * alpha),
         p: of(2 * channels + 1).filter(|error| error.is_finite() && p.is_finite()),
         rho_s: None,
@@ -236,13 +265,13 @@ fn flags(
     options: &FitOptions,
 ) -> Vec<Flag> {
     let within = slices.theta_h.iter().filter(|theta| theta.to_degrees() <= options.cutoff_theta_h_degrees).count();
-    let peak = derived.fr * Sgd::new(*parameters).map_or(0.0, |sgd| sgd.distribution().d_at(0.0));
+    let peak = derived.fr.abs() * Sgd::new(*parameters).map_or(0.0, |sgd| sgd.distribution().d_at(0.0));
     let zero_peak = rows_h.iter().take(3).all(|row| row.measured[channel] == 0.0);
     let [low, high] = derived.fresnel_range;
     let specular = parameters.rho_s != 0.0;
     let candidates = [
         (Flag::ZeroPeak, zero_peak),
-        (Flag::NoPeak, peak <= 1e-3 * (parameters.rho_d + peak)),
+        (Flag::NoPeak, peak <= 1e-3 * parameters.rho_d),
         (Flag::NoSpecular, !specular),
         (Flag::Step1AtBound, !reports[0].active_bounds.is_empty()),
         (Flag::FresnelConstrained, specular && !reports[1].active_bounds.is_empty()),

@@ -127,7 +127,7 @@ impl HealthCheck {
     #[must_use]
     pub fn new(dimensions: Dimensions, position: SamplePosition) -> Self {
         let angles = ALBEDO_DEGREES.map(|degrees| degrees / 180.0 * PI);
-        Self { grid: Grid::new(dimensions, position), albedo: AlbedoPlan::new(dimensions, &angles) }
+        Self { grid: Grid::new(dimensions, position), albedo: AlbedoPlan::new(dimensions, position, &angles) }
     }
 
     /// Examines a file that was scanned before. Files with values that are not finite are examined too.

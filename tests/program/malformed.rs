@@ -38,7 +38,7 @@ fn sparse(place: &Workplace, name: &str, keep: impl Fn(usize, usize) -> bool) {
 /// Runs each case `(arguments, exit code, part of the message)` and holds it to what every failure has to keep.
 fn check(place: &Workplace, cases: &[(&str, i32, &str)]) {
     for (line, code, part) in cases {
-        let before = place.files(".").len();
+        let before = place.names(".");
         let ran = place.run(line);
         let shown = format!("brdfit {line}: {:?} {}", ran.code, ran.stderr);
         assert_eq!(ran.code, Some(*code), "{shown}");
@@ -48,7 +48,7 @@ fn check(place: &Workplace, cases: &[(&str, i32, &str)]) {
         assert!(ran.stdout.is_empty() || line.starts_with("info"), "{shown}: {}", ran.stdout);
         // What clap says about a command line takes more lines; everything else takes one.
         assert!(ran.stderr.lines().count() == 1 || ran.stderr.contains("--help"), "{shown}");
-        assert_eq!(place.files(".").len(), before, "something is left by {shown}");
+        assert_eq!(place.names("."), before, "something is left by {shown}");
     }
 }
 

@@ -57,15 +57,21 @@ impl Workplace {
         ran
     }
 
-    /// Names and contents of all files below a folder, temporary ones and hidden ones too.
+    /// Names of everything in a folder, hidden things too.
+    pub fn names(&self, name: &str) -> Vec<String> {
+        let mut names: Vec<String> =
+            fs::read_dir(self.path(name)).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    /// Names and contents of the files in a folder, hidden ones too.
     pub fn files(&self, name: &str) -> BTreeMap<String, Vec<u8>> {
-        let mut files = BTreeMap::new();
-        for entry in fs::read_dir(self.path(name)).unwrap() {
-            let entry = entry.unwrap();
-            let file = entry.file_name().into_string().unwrap();
-            files.insert(file, fs::read(entry.path()).unwrap());
-        }
-        files
+        self.names(name)
+            .into_iter()
+            .filter(|file| self.path(name).join(file).is_file())
+            .map(|file| (file.clone(), fs::read(self.path(name).join(file)).unwrap()))
+            .collect()
     }
 
     pub fn json(&self, name: &str) -> serde_json::Value {

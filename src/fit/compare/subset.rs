@@ -126,18 +126,22 @@ impl ComparableFit {
     /// [`CompareError::NotAFit`] if the text is not JSON, lacks a part, or has parts that do not fit together.
     pub fn from_json(text: &str) -> Result<Self, CompareError> {
         let fit: Self = serde_json::from_str(text).map_err(|error| CompareError::NotAFit(error.to_string()))?;
-        fit.check().map_err(CompareError::NotAFit)?;
+        fit.check()?;
         Ok(fit)
     }
 
-    /// Lengths and names.
-    fn check(&self) -> Result<(), String> {
+    /// Whether the parts fit together: the names of channels and steps, the lengths of the curves.
+    ///
+    /// # Errors
+    /// [`CompareError::NotAFit`] for the first thing that is wrong.
+    pub fn check(&self) -> Result<(), CompareError> {
+        let refuse = |why: String| Err(CompareError::NotAFit(why));
         if self.channels.iter().map(|channel| channel.name.as_str()).ne(CHANNELS) {
-            return Err("its channels are not R, G and B".to_owned());
+            return refuse("its channels are not R, G and B".to_owned());
         }
         for channel in &self.channels {
             if channel.steps.iter().map(|step| step.name.as_str()).ne(["theta_h", "theta_d"]) {
-                return Err(format!("the steps of channel {} are not theta_h and theta_d", channel.name));
+                return refuse(format!("the steps of channel {} are not theta_h and theta_d", channel.name));
             }
         }
         let slices = &self.slices;
@@ -146,7 +150,7 @@ impl ComparableFit {
             ("theta_d", &slices.theta_d, &slices.measured.theta_d, &slices.fitted.theta_d),
         ] {
             if angles.is_empty() || measured.iter().chain(fitted).any(|curve| curve.len() != angles.len()) {
-                return Err(format!("the curves over {name} do not have one value per angle"));
+                return refuse(format!("the curves over {name} do not have one value per angle"));
             }
         }
         Ok(())

@@ -166,7 +166,7 @@ fn the_albedo_of_paper_is_that_of_paper() {
 fn albedo_agrees_with_a_sum_over_outgoing_directions() {
     let Some(data) = data::folder() else { return };
     let angles = [10.0_f64, 40.0, 65.0];
-    let plan = AlbedoPlan::new(Dimensions::HALF_TURN, &angles.map(f64::to_radians));
+    let plan = AlbedoPlan::new(Dimensions::HALF_TURN, SamplePosition::Centre, &angles.map(f64::to_radians));
     for (file, scan) in opened(&data).into_iter().filter(|(file, _)| !file.path().ends_with("chm_mint.binary")) {
         let value = |cell: usize| scan.valid().contains(cell).then(|| file.value(1, cell));
         for (albedo, degrees) in plan.integrate(value).into_iter().zip(angles) {

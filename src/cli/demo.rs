@@ -1,0 +1,156 @@
+//! `brdfit demo`: an embedded material becomes a MERL file, the file becomes a fit, and both are shown side by side.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use brdfit_brdf::SgdParameters;
+use brdfit_fit::document::{CHANNELS, FitDocument};
+use brdfit_fit::{FitOptions, synthesise};
+use brdfit_merl::{Dimensions, write_merl};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+
+use crate::console::{Console, Tone};
+use crate::documents;
+use crate::embedded::{self, Embedded};
+use crate::fit;
+use crate::inputs::InputFile;
+use crate::material::Job;
+use crate::outcome::{Outcome, Problem};
+use crate::output;
+use crate::plan::{FitPlan, Target};
+use crate::table::{Align, Table};
+
+/// Options of `brdfit demo`.
+#[derive(Debug, Args)]
+pub(crate) struct DemoArgs {
+    /// Folder for the MERL file, the fit, the summary and the picture
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+
+    /// Which of the embedded materials
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(embedded::names()),
+          default_value = embedded::default_material().name)]
+    pub(crate) material: String,
+}
+
+pub(crate) const EXAMPLES: &str = "\
+Examples:
+  brdfit demo -o out
+  brdfit demo -o out --material polished-metal
+Then look at out/<name>.svg. The parameters of the materials are invented.";
+
+pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome> {
+    let material = embedded::material(&args.material)
+        .ok_or_else(|| Problem::usage(format!("{}: no such material; see brdfit demo --help", args.material)))?;
+    let options = FitOptions::default();
+    output::folder(&args.output)?;
+    let files = Files::new(&args.output, material.name);
+
+    let start = Instant::now();
+    make(material, &options, &files.binary)?;
+    let made = start.elapsed();
+    let plan = FitPlan {
+        inputs: vec![InputFile::new(files.binary.clone())?],
+        target: Target::Folder(args.output.clone()),
+        job: Job { options, scan: true, panel: true, accept_non_finite: false },
+        resume: false,
+        picture: true,
+        shard: None,
+    };
+    let outcome = fit::fill(&args.output, &plan, console)?;
+    let total = start.elapsed();
+    if outcome != Outcome::Done {
+        return Ok(outcome);
+    }
+    let document: FitDocument = documents::read(&files.json, "a fit result")?;
+    output::print(&report(material, &document, &files, console))?;
+    console.note(&format!(
+        "{:.2} s to make the file, {:.2} s to fit it and to write the results",
+        made.as_secs_f64(),
+        (total - made).as_secs_f64()
+    ));
+    Ok(outcome)
+}
+
+/// Writes the MERL file of a material.
+fn make(material: &Embedded, options: &FitOptions, path: &Path) -> Result<(), Problem> {
+    let dimensions = Dimensions::HALF_TURN;
+    let planes = synthesise(&material.parameters, dimensions, options.sample_position)
+        .map_err(|error| Problem::computation(format!("{}: {error}", material.name)))?;
+    output::write_with(path, |mut out| {
+        write_merl(&mut out, dimensions, |channel, theta_h, theta_d, phi_d| {
+            planes[channel][dimensions.index(theta_h, theta_d, phi_d)]
+        })
+    })
+}
+
+/// What the demo leaves behind.
+struct Files {
+    binary: PathBuf,
+    json: PathBuf,
+    picture: PathBuf,
+    summaries: [PathBuf; 2],
+}
+
+impl Files {
+    fn new(folder: &Path, name: &str) -> Self {
+        let file = |extension: &str| folder.join(format!("{name}.{extension}"));
+        Self {
+            binary: file("binary"),
+            json: file("json"),
+            picture: file("svg"),
+            summaries: ["summary.json", "summary.csv"].map(|name| folder.join(name)),
+        }
+    }
+}
+
+/// What is printed: the parameters before and after, the errors, the files, what to do next.
+fn report(material: &Embedded, document: &FitDocument, files: &Files, console: &Console) -> String {
+    let strong = |text: &str| console.paint(Tone::Strong, text);
+    let list = |entries: &[(&Path, &str)]| {
+        let width = entries.iter().map(|(path, _)| path.display().to_string().chars().count()).max().unwrap_or(0);
+        entries
+            .iter()
+            .map(|(path, what)| format!("  {:width$}  {}\n", path.display().to_string(), console.paint(Tone::Dim, what)))
+            .collect::<String>()
+    };
+    let [summary, csv] = &files.summaries;
+    let left = list(&[
+        (&files.picture, "both slices, measured and fitted: open it in a browser"),
+        (&files.json, "the fit: parameters, errors, curves, how it went"),
+        (summary, "the summary of the batch"),
+        (csv, "the same as a table"),
+        (&files.binary, "the MERL file that was fitted"),
+    ]);
+    format!(
+        "{}: {}\n\n{}\nE, L, C: cosine-weighted, logarithmic and cube root error over all cells, docs/theory.md section 6.\n\n\
+         {}\n{left}\n{}\n  brdfit fit YOUR_FOLDER -o fits\n  brdfit info YOUR_FILE.binary\n  brdfit fit --help\n",
+        strong(material.name),
+        material.description,
+        parameters(material, document, console),
+        strong("Files"),
+        strong("Next"),
+    )
+}
+
+/// The parameters that the file was made from above those that the fit found.
+fn parameters(material: &Embedded, document: &FitDocument, console: &Console) -> Table {
+    let numbers = ["rho_d", "rho_s", "alpha", "p", "F0", "F1", "E", "L", "C"].map(|title| (title, Align::Right));
+    let [d, s, a, p, f0, f1, e, l, c] = numbers;
+    let mut table = Table::new([("", Align::Left), ("", Align::Left), d, s, a, p, f0, f1, e, l, c]);
+    for (n, (made_from, found)) in material.parameters.iter().zip(&document.channels).enumerate() {
+        let heading = [console.paint(Tone::Strong, CHANNELS[n]), "made from".to_owned()];
+        table.row(heading.into_iter().chain(six(made_from).map(|value| format!("{value}"))));
+        let errors = document.errors.as_ref().map(|panel| [panel.e[n], panel.l[n], panel.c[n]]);
+        let errors = errors.into_iter().flatten().map(|value| format!("{value:.1e}"));
+        let found = six(&found.parameters).map(|value| format!("{value:.6}"));
+        table.row([String::new(), "found".to_owned()].into_iter().chain(found).chain(errors));
+    }
+    table
+}
+
+fn six(parameters: &SgdParameters) -> [f64; 6] {
+    let SgdParameters { rho_d, rho_s, alpha, p, f0, f1 } = *parameters;
+    [rho_d, rho_s, alpha, p, f0, f1]
+}
