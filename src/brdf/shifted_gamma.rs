@@ -19,7 +19,7 @@ pub struct ShiftedGamma {
 impl ShiftedGamma {
     /// The distribution with width `alpha` in [1e-12, 100] and exponent `p` in (-90, 20); `None` outside or where `K` is not finite.
     pub fn new(alpha: f64, p: f64) -> Option<Self> {
-        if !(alpha <= 100.0) {
+        if alpha.is_nan() || alpha > 100.0 {
             return None;
         }
         let s = 1.0 - p;

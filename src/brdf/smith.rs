@@ -30,6 +30,9 @@ static RULE: LazyLock<Vec<Node>> = LazyLock::new(|| {
     pad(&nodes, 1.0).into_iter().zip(pad(&weights, 0.0)).map(|(t, weight)| Node { t, root: t.sqrt(), weight }).collect()
 });
 
+/// Where the logarithm of the integrand's scale lies below this, a0 is above 40 and `Lambda` below 1e-19: `G1` is one.
+const NEGLIGIBLE: f64 = -44.0;
+
 struct Node {
     t: f64x4,
     root: f64x4,
@@ -102,7 +105,7 @@ impl SmithG1 {
         (g1, slopes.map(|slope| by_m * slope))
     }
 
-    /// `mu Lambda` at `mu = cot theta > 0`.
+    /// `mu Lambda` at `mu = cot theta > 0`; zero where `Lambda` is below 1e-19.
     pub fn mu_lambda(&self, mu: f64) -> f64 {
         self.integrate(mu, |_, value, _, sums| sums[0] += value)[0]
     }
@@ -128,7 +131,7 @@ impl SmithG1 {
     fn integrate(&self, mu: f64, add: impl Fn(f64x4, f64x4, f64x4, &mut [f64x4; 4])) -> [f64; 4] {
         let a0 = self.alpha + mu * mu / self.alpha;
         let exponent = self.ln_scale - a0;
-        if !(exponent - self.p * libm::log(a0) > -745.0) {
+        if exponent - self.p * libm::log(a0) < NEGLIGIBLE {
             return [0.0; 4];
         }
         let root_alpha = self.alpha.sqrt();

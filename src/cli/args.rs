@@ -3,14 +3,14 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use brdfit_fit::{Anchor, Constraint, Loss, Step2Solver};
-use brdfit_merl::SamplePosition;
 use clap::{ArgAction, Args, ColorChoice, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
 use crate::compare::{self, CompareArgs};
 use crate::demo::{self, DemoArgs};
 use crate::synth;
+use crate::words::{AnchorArg, ConstraintArg, LossArg, PositionArg, SolverArg};
+pub(crate) use crate::words::{Format, SchemaName};
 
 /// Fit measured isotropic BRDFs (MERL format) with the SGD microfacet model.
 #[derive(Debug, Parser)]
@@ -299,111 +299,6 @@ const MAN_EXAMPLES: &str = "\
 Examples:
   brdfit man | man -l -
   brdfit man fit > ~/.local/share/man/man1/brdfit-fit.1";
-
-/// Documents that have a schema.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SchemaName {
-    /// <name>.json of `brdfit fit`
-    Fit,
-    /// summary.json of `brdfit fit`
-    Summary,
-    /// What `brdfit info --format json` prints
-    Info,
-}
-
-/// How data are printed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Format {
-    /// For people
-    Text,
-    /// For programs
-    Json,
-}
-
-/// Declares the words of an option and what each of them stands for.
-macro_rules! words {
-    ($(#[$doc:meta])* $name:ident => $target:ty { $($(#[$help:meta])* $word:ident => $value:path,)* }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-        pub(crate) enum $name {
-            $($(#[$help])* $word,)*
-        }
-
-        impl From<$name> for $target {
-            fn from(word: $name) -> Self {
-                match word {
-                    $($name::$word => $value,)*
-                }
-            }
-        }
-    };
-}
-
-words! {
-    /// `--sample-position`
-    PositionArg => SamplePosition {
-        /// At the lower edge of the cell
-        Edge => SamplePosition::Edge,
-        /// In the middle of the cell
-        Centre => SamplePosition::Centre,
-    }
-}
-
-words! {
-    /// `--loss`
-    LossArg => Loss {
-        /// Difference of ln(1 + f cos), weighted
-        Log1pCos => Loss::Log1pCos,
-        /// Difference of sqrt(f cos), independent of the scale of f
-        SqrtCos => Loss::SqrtCos,
-        /// Plain least squares
-        L2 => Loss::L2,
-    }
-}
-
-words! {
-    /// `--anchor`
-    AnchorArg => Anchor {
-        /// What the measured peak implies
-        Peak => Anchor::Peak,
-        /// The peak of the fitted distribution
-        Distribution => Anchor::Distribution,
-    }
-}
-
-words! {
-    /// `--step2-solver`
-    SolverArg => Step2Solver {
-        /// Exact, by non-negative least squares
-        Convex => Step2Solver::Convex,
-        /// Levenberg-Marquardt
-        Lm => Step2Solver::LevenbergMarquardt,
-    }
-}
-
-/// `--constraint`: a constraint, or a preset that sets more than it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ConstraintArg {
-    /// 0 <= F <= 1
-    Physical,
-    /// F >= 0
-    NonNegative,
-    /// Nothing
-    Free,
-    /// The published procedure
-    Paper,
-}
-
-impl ConstraintArg {
-    /// The constraint itself.
-    pub(crate) fn constraint(self) -> Constraint {
-        match self {
-            Self::Physical => Constraint::Physical,
-            Self::NonNegative => Constraint::NonNegative,
-            Self::Free | Self::Paper => Constraint::Free,
-        }
-    }
-}
 
 /// The wish for colour in arguments that have not been parsed yet, or cannot be.
 pub(crate) fn color_of(arguments: impl Iterator<Item = OsString>) -> ColorChoice {

@@ -62,11 +62,11 @@ pub(crate) struct CompareArgs {
     pub(crate) errors_fail: f64,
 
     /// Warn where a fitted curve differs by more (root mean square)
-    #[arg(long, value_name = "X", default_value = "1e-2", value_parser = tolerance, help_heading = TOLERANCES)]
+    #[arg(long, value_name = "X", default_value = "1e-3", value_parser = tolerance, help_heading = TOLERANCES)]
     pub(crate) curve_warn: f64,
 
     /// Fail where it differs by more
-    #[arg(long, value_name = "X", default_value = "1e-1", value_parser = tolerance, help_heading = TOLERANCES)]
+    #[arg(long, value_name = "X", default_value = "1e-2", value_parser = tolerance, help_heading = TOLERANCES)]
     pub(crate) curve_fail: f64,
 }
 
@@ -76,10 +76,10 @@ pub(crate) const EXAMPLES: &str = "\
 Examples:
   brdfit compare fits/gold.json reference/gold.json
   brdfit compare fits reference --format json -o comparison.json
-The measured slices must be the same to 1e-9. Curves, E, L and C are judged
-where the costs agree: elsewhere the minima are not the same ones. Parameters
-are not compared: different ones can give the same curve. Exit code 7 if
-anything fails.";
+The measured slices must be the same to 1e-9. Step 2 is judged where the costs
+of step 1 agree, on which it depends; curves, E, L and C where both do: other
+minima have other curves. Parameters are not compared: different ones can give
+the same curve. Exit code 7 if anything fails.";
 
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -156,6 +156,9 @@ fn read(path: &Path) -> Result<ComparableFit, Problem> {
 
 /// Two files, or the files of two folders by name. A file without a counterpart makes a pair, too, and fails when it is read.
 fn pairs(ours: &Path, reference: &Path) -> Result<Vec<Pair>, Problem> {
+    for path in [ours, reference] {
+        fs::metadata(path).map_err(|error| Problem::reading(path, &error))?;
+    }
     match [ours, reference].map(Path::is_dir) {
         [true, true] => {
             let mut names = documents_in(ours)?;
@@ -230,7 +233,7 @@ fn cells(channel: &ChannelComparison, console: &Console) -> Vec<String> {
         None => "other rows".to_owned(),
     };
     let mut cells = vec![painted(&data, channel.measured.verdict, true, console)];
-    cells.extend(channel.costs.iter().map(|cost| painted(&signed(cost.relative), cost.verdict, true, console)));
+    cells.extend(channel.costs.iter().map(|cost| painted(&signed(cost.relative), cost.verdict, cost.judged, console)));
     for CurveComparison { rms, largest, judged, verdict, .. } in channel.curves {
         cells.push(painted(&format!("{rms:.1e}"), verdict, judged, console));
         cells.push(painted(&format!("{largest:.1e}"), Verdict::Agree, judged, console));
@@ -268,12 +271,17 @@ fn painted(text: &str, verdict: Verdict, judged: bool, console: &Console) -> Str
 fn closing(report: &Report, console: &Console) -> String {
     let Tolerances { cost, errors, curve, .. } = report.tolerances;
     let count = |verdict| report.channels().filter(|channel| channel.verdict == verdict).count();
-    let costs: Vec<f64> = report.channels().flat_map(|channel| channel.costs.map(|cost| cost.relative)).collect();
+    let costs: Vec<f64> = report
+        .channels()
+        .flat_map(|channel| channel.costs)
+        .filter(|cost| cost.judged)
+        .map(|cost| cost.relative)
+        .collect();
     let largest = costs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let smallest = costs.iter().copied().fold(f64::INFINITY, f64::min);
     let above = costs.iter().filter(|&&relative| relative > cost.warn).count();
     let brackets = if report.channels().any(|channel| channel.curves.iter().any(|curve| !curve.judged)) {
-        "In brackets: not judged, as the costs (or the data) are not the same.\n"
+        "In brackets: not judged, as what comes before it is not the same.\n"
     } else {
         ""
     };
@@ -307,6 +315,8 @@ fn closing(report: &Report, console: &Console) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::args::{Cli, Command};
+    use clap::Parser;
 
     fn names(pairs: &[Pair]) -> Vec<(String, String)> {
         let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
@@ -340,10 +350,22 @@ mod tests {
         fs::create_dir(&a).unwrap();
         fs::create_dir(&b).unwrap();
         assert!(pairs(&a, &b).err().unwrap().to_string().contains("no fit result"));
+        let nowhere = pairs(&a, &folder.path().join("c")).err().unwrap();
+        assert_eq!(Outcome::of(&nowhere.into()), Outcome::InputOutput);
     }
 
     #[test]
-    fn tolerances_are_numbers_in_order() {
+    fn the_defaults_are_those_of_the_library() {
+        let cli = Cli::try_parse_from(["brdfit", "compare", "a", "b"]).unwrap();
+        let Command::Compare(args) = cli.command else { panic!() };
+        assert_eq!(tolerances(&args).unwrap(), Tolerances::default());
+        let cli = Cli::try_parse_from(["brdfit", "compare", "a", "b", "--cost-warn", "1"]).unwrap();
+        let Command::Compare(args) = cli.command else { panic!() };
+        assert!(tolerances(&args).unwrap_err().to_string().contains("--cost-warn 1 lies above --cost-fail 0.0001"));
+    }
+
+    #[test]
+    fn tolerances_are_numbers() {
         assert_eq!((tolerance("0"), tolerance("inf")), (Ok(0.0), Ok(f64::INFINITY)));
         for text in ["-1", "nan", "x", ""] {
             assert!(tolerance(text).is_err(), "{text}");

@@ -74,14 +74,9 @@ impl Console {
 
     /// One line about what went wrong; `--quiet` does not silence it.
     pub(crate) fn error(&self, error: &anyhow::Error) {
-        self.line(Tone::Bad, "error", &format!("{error:#}"));
-    }
-
-    /// One line about what is odd.
-    pub(crate) fn warn(&self, message: &str) {
-        if !self.quiet {
-            self.line(Tone::Warn, "warning", message);
-        }
+        let message = format!("{error:#}").replace(['\n', '\r'], " ");
+        let label = if self.colour_err { Tone::Bad.paint("error") } else { "error".to_owned() };
+        emit(&format!("{label}: {message}"));
     }
 
     /// One line about what was done.
@@ -89,12 +84,6 @@ impl Console {
         if !self.quiet {
             emit(message);
         }
-    }
-
-    fn line(&self, tone: Tone, label: &str, message: &str) {
-        let message = message.replace(['\n', '\r'], " ");
-        let label = if self.colour_err { tone.paint(label) } else { label.to_owned() };
-        emit(&format!("{label}: {message}"));
     }
 
     /// A progress bar over `total` pieces of work; it shows on a terminal only.

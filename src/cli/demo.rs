@@ -112,7 +112,9 @@ fn report(material: &Embedded, document: &FitDocument, files: &Files, console: &
         let width = entries.iter().map(|(path, _)| path.display().to_string().chars().count()).max().unwrap_or(0);
         entries
             .iter()
-            .map(|(path, what)| format!("  {:width$}  {}\n", path.display().to_string(), console.paint(Tone::Dim, what)))
+            .map(|(path, what)| {
+                format!("  {:width$}  {}\n", path.display().to_string(), console.paint(Tone::Dim, what))
+            })
             .collect::<String>()
     };
     let [summary, csv] = &files.summaries;
@@ -124,11 +126,12 @@ fn report(material: &Embedded, document: &FitDocument, files: &Files, console: &
         (&files.binary, "the MERL file that was fitted"),
     ]);
     format!(
-        "{}: {}\n\n{}\nE, L, C: cosine-weighted, logarithmic and cube root error over all cells, docs/theory.md section 6.\n\n\
-         {}\n{left}\n{}\n  brdfit fit YOUR_FOLDER -o fits\n  brdfit info YOUR_FILE.binary\n  brdfit fit --help\n",
+        "{}: {}\n\n{}\nParameters differ by at most {:.0e} of their value. E, L, C: cosine-weighted, logarithmic and\ncube root error \
+         over the whole grid (docs/theory.md, section 6).\n\n{}\n{left}\n{}\n  brdfit fit YOUR_FOLDER -o fits\n  brdfit info YOUR_FILE.binary\n  brdfit fit --help\n",
         strong(material.name),
         material.description,
         parameters(material, document, console),
+        largest_difference(material, document),
         strong("Files"),
         strong("Next"),
     )
@@ -148,6 +151,15 @@ fn parameters(material: &Embedded, document: &FitDocument, console: &Console) ->
         table.row([String::new(), "found".to_owned()].into_iter().chain(found).chain(errors));
     }
     table
+}
+
+/// Largest relative difference between a parameter and the one that was found.
+fn largest_difference(material: &Embedded, document: &FitDocument) -> f64 {
+    let pairs = material.parameters.iter().zip(&document.channels);
+    pairs
+        .flat_map(|(made_from, found)| six(made_from).into_iter().zip(six(&found.parameters)))
+        .map(|(made_from, found)| ((found - made_from) / made_from).abs())
+        .fold(0.0, f64::max)
 }
 
 fn six(parameters: &SgdParameters) -> [f64; 6] {

@@ -105,7 +105,7 @@ fn fit(input: &InputFile, fitter: &Fitter, folder: &Path, plan: &FitPlan) -> Res
         Err(error) => return Ok(Err(error.into())),
     };
     draw(&document, folder, plan)?;
-    output::write(&path, &json::to_vec(&document))?;
+    output::write_recoverable(&path, &json::to_vec(&document))?;
     info!(file = %path.display(), "written");
     Ok(Ok(Material { row: SummaryRow::from(&document), kept: false }))
 }
@@ -113,7 +113,7 @@ fn fit(input: &InputFile, fitter: &Fitter, folder: &Path, plan: &FitPlan) -> Res
 fn draw(document: &FitDocument, folder: &Path, plan: &FitPlan) -> Result<(), Problem> {
     if plan.picture {
         let path = folder.join(format!("{}.svg", document.input.name));
-        output::write(&path, picture::draw(document).as_bytes())?;
+        output::write_recoverable(&path, picture::draw(document).as_bytes())?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! `brdfit info`: the state of measured files.
 
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::OnceLock;
 
 use brdfit_merl::{Dimensions, Health, HealthCheck, MerlError, MerlFile, SamplePosition};
@@ -63,7 +63,7 @@ impl Checks {
         Self { position, half_turn: OnceLock::new(), full_turn: OnceLock::new() }
     }
 
-    fn report(&self, path: &PathBuf) -> Report {
+    fn report(&self, path: &Path) -> Report {
         match MerlFile::open(path) {
             Err(error) => Report { health: None, error: Some(error) },
             Ok(file) => {

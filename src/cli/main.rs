@@ -29,6 +29,7 @@ mod schema;
 mod summary;
 mod synth;
 mod table;
+mod words;
 
 use std::process::ExitCode;
 

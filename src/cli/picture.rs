@@ -5,29 +5,21 @@
 //! bytes whatever else the process has drawn.
 
 mod axis;
+mod panel;
 mod svg;
 
 use std::fmt::Write;
 
-use axis::{AngleAxis, LogAxis, Tick};
+use axis::{AngleAxis, LogAxis};
 use brdfit_fit::document::{CHANNELS, ChannelFit, ErrorPanel, FitDocument};
-use svg::{escape, indexed, label, label_width, number};
+use panel::{BOTTOM, COLOURS, LINE_WIDTHS, Panel, below_axis_marker, marker};
+use svg::{escape, indexed, number, put};
 
 const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 604.0;
 const MARGIN: f64 = 28.0;
-const TOP: f64 = 100.0;
-const BOTTOM: f64 = 424.0;
 /// Left edges of the two panels.
 const LEFT: [f64; 2] = [78.0, 492.0];
-const PANEL_WIDTH: f64 = 380.0;
-/// Space between the frame of a panel and the first and last angle.
-const INSET: f64 = 8.0;
-
-/// Vermilion, bluish green and blue: still apart for colour-blind readers (Okabe & Ito 2008).
-const COLOURS: [&str; 3] = ["#d55e00", "#009e73", "#0072b2"];
-/// The lines of R, G and B lie in this order on each other; where they coincide all three remain visible.
-const LINE_WIDTHS: [f64; 3] = [2.9, 2.2, 1.5];
 
 /// Draws the slices of a fit. The same document gives the same bytes.
 pub(crate) fn draw(document: &FitDocument) -> String {
@@ -37,8 +29,8 @@ pub(crate) fn draw(document: &FitDocument) -> String {
         Panel {
             left: LEFT[0],
             axis: AngleAxis::SquareRoot,
-            title: indexed("Retro-reflection, θ", "d", " = 0: the shape of the peak"),
-            axis_title: indexed("θ", "h", " in degrees, on a square root axis"),
+            title: indexed("Retro-reflection, θ", "d", "= 0: the shape of the peak"),
+            axis_title: indexed("θ", "h", "in degrees, on a square root axis"),
             cutoff_degrees: options.cutoff_theta_h_degrees,
             angles: &slices.theta_h,
             measured: &slices.measured.theta_h,
@@ -47,8 +39,8 @@ pub(crate) fn draw(document: &FitDocument) -> String {
         Panel {
             left: LEFT[1],
             axis: AngleAxis::Linear,
-            title: indexed("Mirror direction, θ", "h", " = 0: the Fresnel term"),
-            axis_title: indexed("θ", "d", " in degrees"),
+            title: indexed("Mirror direction, θ", "h", "= 0: the Fresnel term"),
+            axis_title: indexed("θ", "d", "in degrees"),
             cutoff_degrees: options.cutoff_theta_d_degrees,
             angles: &slices.theta_d,
             measured: &slices.measured.theta_d,
@@ -68,184 +60,6 @@ pub(crate) fn draw(document: &FitDocument) -> String {
     out
 }
 
-/// Appends formatted text. Writing to a string cannot fail.
-macro_rules! put {
-    ($out:expr, $($text:tt)*) => {{ let _ = writeln!($out, $($text)*); }};
-}
-
-/// One slice: its data and its place.
-struct Panel<'a> {
-    left: f64,
-    axis: AngleAxis,
-    title: String,
-    axis_title: String,
-    cutoff_degrees: f64,
-    angles: &'a [f64],
-    measured: &'a [Vec<Option<f64>>; 3],
-    fitted: &'a [Vec<f64>; 3],
-}
-
-impl Panel<'_> {
-    fn x(&self, degrees: f64) -> f64 {
-        self.left + INSET + self.axis.position(degrees) * (PANEL_WIDTH - 2.0 * INSET)
-    }
-
-    fn y(at: f64) -> f64 {
-        BOTTOM - at * (BOTTOM - TOP)
-    }
-
-    /// Measured values above zero up to an angle.
-    fn measured_values(&self, up_to_degrees: f64) -> impl Iterator<Item = f64> + '_ {
-        let rows = self.rows(up_to_degrees);
-        self.measured.iter().flat_map(move |curve| curve.iter().take(rows).flatten()).copied().filter(|&f| f > 0.0)
-    }
-
-    /// Fitted values above zero up to an angle.
-    fn fitted_values(&self, up_to_degrees: f64) -> impl Iterator<Item = f64> + '_ {
-        let rows = self.rows(up_to_degrees);
-        self.fitted.iter().flat_map(move |curve| curve.iter().take(rows)).copied().filter(|&f| f > 0.0)
-    }
-
-    fn rows(&self, up_to_degrees: f64) -> usize {
-        self.angles.partition_point(|angle| angle.to_degrees() <= up_to_degrees)
-    }
-
-    fn has_values_below(&self, values: &LogAxis) -> bool {
-        self.measured.iter().flatten().flatten().any(|&value| values.position(value) < 0.0)
-    }
-
-    fn draw(&self, out: &mut String, values: &LogAxis, with_labels: bool) {
-        put!(out, "<g>");
-        self.frame(out, values, with_labels);
-        for channel in 0..3 {
-            self.points(out, values, channel);
-        }
-        for channel in 0..3 {
-            self.line(out, values, channel);
-        }
-        put!(out, "</g>");
-    }
-
-    fn frame(&self, out: &mut String, values: &LogAxis, with_labels: bool) {
-        let (left, right) = (self.left, self.left + PANEL_WIDTH);
-        put!(
-            out,
-            r##"<text x="{left:.1}" y="{:.1}" font-size="13" font-weight="600" fill="#222">{}</text>"##,
-            TOP - 14.0,
-            self.title
-        );
-        let cutoff = self.x(self.cutoff_degrees);
-        put!(
-            out,
-            r##"<rect x="{cutoff:.1}" y="{TOP}" width="{:.1}" height="{}" fill="#ececec"/>"##,
-            right - cutoff,
-            BOTTOM - TOP
-        );
-        let mut grid = String::new();
-        let mut marks = String::new();
-        for Tick { at, label: text } in self.axis.ticks() {
-            let x = self.left + INSET + at * (PANEL_WIDTH - 2.0 * INSET);
-            let _ = write!(grid, "M{x:.1} {TOP}V{BOTTOM}");
-            let _ = write!(marks, "M{x:.1} {BOTTOM}v5");
-            if let Some(text) = &text {
-                put!(out, r#"<text x="{x:.1}" y="{:.1}" text-anchor="middle">{}</text>"#, BOTTOM + 19.0, label(text));
-            }
-        }
-        for Tick { at, label: text } in values.ticks() {
-            let y = Self::y(*at);
-            let _ = write!(marks, "M{left:.1} {y:.1}h{}", if text.is_some() { -5 } else { -3 });
-            if let Some(text) = text {
-                let _ = write!(grid, "M{left:.1} {y:.1}H{right:.1}");
-                if with_labels {
-                    let x = left - 9.0 - label_width(text);
-                    put!(out, r#"<text x="{x:.1}" y="{:.1}">{}</text>"#, y + 4.0, label(text));
-                }
-            }
-        }
-        put!(out, r##"<path d="{grid}" stroke="#d9d9d9" stroke-width=".8" fill="none"/>"##);
-        put!(out, r##"<path d="{marks}" stroke="#666" fill="none"/>"##);
-        put!(
-            out,
-            r##"<rect x="{left:.1}" y="{TOP}" width="{PANEL_WIDTH}" height="{}" fill="none" stroke="#666"/>"##,
-            BOTTOM - TOP
-        );
-        put!(
-            out,
-            r#"<text x="{left:.1}" y="{:.1}" font-size="13">{}</text>"#,
-            BOTTOM + 40.0,
-            self.axis_title
-        );
-        if with_labels {
-            put!(
-                out,
-                r#"<text transform="translate(26 {:.1}) rotate(-90)" text-anchor="middle" font-size="13">BRDF in 1/sr</text>"#,
-                (TOP + BOTTOM) / 2.0
-            );
-        }
-    }
-
-    fn points(&self, out: &mut String, values: &LogAxis, channel: usize) {
-        let colour = COLOURS[channel];
-        let mut shapes = String::new();
-        let mut below = String::new();
-        for (angle, value) in self.angles.iter().zip(&self.measured[channel]) {
-            let Some(value) = value else { continue };
-            let x = self.x(angle.to_degrees());
-            match values.position(*value) {
-                at if at < 0.0 => below_axis_marker(&mut below, x, BOTTOM - 2.0),
-                at if at <= 1.0 => marker(&mut shapes, channel, x, Self::y(at)),
-                _ => {}
-            }
-        }
-        put!(out, r#"<path d="{shapes}" fill="{colour}" fill-opacity=".45"/>"#);
-        if !below.is_empty() {
-            put!(out, r#"<path d="{below}" fill="none" stroke="{colour}" stroke-opacity=".7"/>"#);
-        }
-    }
-
-    fn line(&self, out: &mut String, values: &LogAxis, channel: usize) {
-        let points: Vec<[f64; 2]> = self
-            .angles
-            .iter()
-            .zip(&self.fitted[channel])
-            .map(|(angle, value)| [self.x(angle.to_degrees()), values.position(*value)])
-            .collect();
-        let mut path = String::new();
-        let mut pen_at = None;
-        for pair in points.windows(2) {
-            let Some([from, to]) = inside(pair[0], pair[1]) else { continue };
-            if pen_at != Some(from) {
-                let _ = write!(path, "M{:.1} {:.1}", from[0], Self::y(from[1]));
-            }
-            let _ = write!(path, "L{:.1} {:.1}", to[0], Self::y(to[1]));
-            pen_at = Some(to);
-        }
-        let (colour, width) = (COLOURS[channel], LINE_WIDTHS[channel]);
-        put!(
-            out,
-            r#"<path d="{path}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linejoin="round"/>"#
-        );
-    }
-}
-
-/// The part of a piece of line whose height lies in [0, 1].
-fn inside(from: [f64; 2], to: [f64; 2]) -> Option<[[f64; 2]; 2]> {
-    if !(from[1].is_finite() && to[1].is_finite()) {
-        return None;
-    }
-    let at = |share: f64| [0, 1].map(|axis: usize| from[axis] + share * (to[axis] - from[axis]));
-    let (low, high) = (from[1].min(to[1]), from[1].max(to[1]));
-    if low >= 0.0 && high <= 1.0 {
-        return Some([from, to]);
-    }
-    if high < 0.0 || low > 1.0 {
-        return None;
-    }
-    let share = |height: f64| ((height - from[1]) / (to[1] - from[1])).clamp(0.0, 1.0);
-    let (x, y) = (share(0.0), share(1.0));
-    Some([at(x.min(y)), at(x.max(y))])
-}
-
 /// Smallest and largest value on the axis. Everything up to the cut-offs is on it, but for measured values below a thirtieth
 /// of the smallest fitted one (zeros and noise in the dark); beyond the cut-offs values count up to ten times the largest.
 fn value_range(panels: &[Panel<'_>; 2]) -> [f64; 2] {
@@ -258,20 +72,6 @@ fn value_range(panels: &[Panel<'_>; 2]) -> [f64; 2] {
     let most = anywhere[1].min(10.0 * fitted[1].max(measured[1]));
     let least = fitted[0].min(measured[0].max(fitted[0] / 30.0));
     if most > 0.0 && least.is_finite() { [(least / 1.3).max(most * 1e-12), most * 1.3] } else { [0.1, 1.0] }
-}
-
-/// The shape of a measured value: a disc, a square or a triangle around (x, y).
-fn marker(path: &mut String, channel: usize, x: f64, y: f64) {
-    let _ = match channel {
-        0 => write!(path, "M{:.1} {y:.1}a2.3 2.3 0 1 0 4.6 0a2.3 2.3 0 1 0 -4.6 0z", x - 2.3),
-        1 => write!(path, "M{:.1} {:.1}h4.2v4.2h-4.2z", x - 2.1, y - 2.1),
-        _ => write!(path, "M{x:.1} {:.1}l2.7 4.6h-5.4z", y - 2.9),
-    };
-}
-
-/// An arrow head that points down: the value is below the axis.
-fn below_axis_marker(path: &mut String, x: f64, y: f64) {
-    let _ = write!(path, "M{:.1} {:.1}l2 3.5l2 -3.5", x - 2.0, y - 3.5);
 }
 
 fn head(out: &mut String, document: &FitDocument) {
@@ -359,19 +159,89 @@ fn table(out: &mut String, channels: &[ChannelFit], errors: Option<&ErrorPanel>)
             x + 32.0
         );
     }
-    put!(
-        out,
-        r##"<path d="M{:.1} {:.1}H{:.1}" stroke="#bbb" fill="none"/>"##,
-        LEFT[0],
-        top + 6.0,
-        WIDTH - MARGIN
-    );
+    put!(out, r##"<path d="M{:.1} {:.1}H{:.1}" stroke="#bbb" fill="none"/>"##, LEFT[0], top + 6.0, WIDTH - MARGIN);
     for (column, (title, values)) in columns.iter().enumerate() {
         let x = first + pitch * (column + 1) as f64;
         put!(out, r##"<text x="{:.1}" y="{top:.1}" fill="#666">{title}</text>"##, x - 13.0);
         for (row, value) in values.iter().enumerate() {
             let y = top + 21.0 * (row + 1) as f64;
             put!(out, r#"<text x="{x:.1}" y="{y:.1}" text-anchor="end">{}</text>"#, number(*value));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    /// A document with the given name and curves over three angles in each slice.
+    fn document(name: &str, measured: Value, fitted: Value) -> FitDocument {
+        let channel = |name: &str| {
+            json!({
+                "name": name,
+                "parameters": { "rho_d": 0.1, "rho_s": 0.5, "alpha": 0.01, "p": 0.5, "f0": 0.1, "f1": 0.0 },
+                "derived": {
+                    "K": 1.0, "fr": 0.05, "anchor": 1.0, "albedo": [0.1, 0.1, 0.1, 0.1], "fresnel_range": [0.1, 1.0],
+                    "g1": { "lambda": 1.0, "theta0": 0.5, "k": 3.0, "log10_c": 0.0, "max_error": 0.0, "rms_error": 0.0 }
+                },
+                "standard_errors": {}, "steps": [], "flags": []
+            })
+        };
+        let both = |curve: Value| {
+            let three = json!([curve.clone(), curve.clone(), curve]);
+            json!({ "theta_h": three.clone(), "theta_d": three })
+        };
+        let value = json!({
+            "schema_version": 1, "program": "test", "model": "sgd",
+            "input": { "name": name, "dimensions": [90, 90, 180], "sample_position": "edge" },
+            "options": brdfit_fit::FitOptions::default(),
+            "channels": [channel("R"), channel("G"), channel("B")],
+            "slices": {
+                "theta_h": [0.0, 0.5, 1.5], "theta_d": [0.0, 0.5, 1.5], "measured": both(measured), "fitted": both(fitted)
+            }
+        });
+        serde_json::from_value(value).unwrap()
+    }
+
+    /// The elements of a drawing, which must be well-formed and hold finite numbers only.
+    fn elements(svg: &str, name: &str) -> usize {
+        let parsed = roxmltree::Document::parse(svg).unwrap();
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        parsed.descendants().filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", name))).count()
+    }
+
+    #[test]
+    fn the_same_document_gives_the_same_bytes() {
+        let one = document("x", json!([10.0, 1.0, 0.5]), json!([9.0, 1.1, 0.5]));
+        let other = document("y", json!([1.0, 1.0, 1.0]), json!([1.0, 1.0, 1.0]));
+        let first = draw(&one);
+        let _ = draw(&other);
+        assert_eq!(first, draw(&one));
+        assert!(elements(&first, "text") > 40);
+        assert!(!first.contains("id="), "identifiers would collide where several pictures stand on one page");
+    }
+
+    #[test]
+    fn names_cannot_break_the_drawing() {
+        let svg = draw(&document("a<b>&\"'\u{1}", json!([1.0, 1.0, 1.0]), json!([1.0, 1.0, 1.0])));
+        let parsed = roxmltree::Document::parse(&svg).unwrap();
+        let title = parsed.descendants().find(|node| node.has_tag_name("title")).and_then(|node| node.text());
+        assert_eq!(title, Some("a<b>&\"': measured and fitted slices"));
+    }
+
+    #[test]
+    fn odd_curves_are_drawn() {
+        for (measured, fitted) in [
+            (json!([null, null, null]), json!([0.1, 0.1, 0.1])),
+            (json!([0.0, 0.0, 0.0]), json!([0.0, 0.0, 0.0])),
+            (json!([1.0, 0.0, 1e-30]), json!([-1.0, 1.0, 1e300])),
+            (json!([1e7, 1.0, null]), json!([1e-300, 1e7, 1.0])),
+        ] {
+            let svg = draw(&document("x", measured.clone(), fitted));
+            elements(&svg, "path");
+            let has_zeros = measured.as_array().unwrap().iter().any(|value| value.as_f64() == Some(0.0));
+            assert_eq!(svg.contains("too dark for the axis"), has_zeros, "{measured}");
         }
     }
 }

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use brdfit_fit::{DistributionSharing, FitOptions};
 
-use crate::args::{ConstraintArg, FitArgs};
+use crate::args::FitArgs;
 use crate::inputs::{self, InputFile};
 use crate::material::Job;
 use crate::outcome::Problem;
+use crate::words::ConstraintArg;
 
 /// A checked batch.
 #[derive(Clone, Debug)]

@@ -27,10 +27,8 @@ pub(crate) fn conditions(constraint: Constraint) -> Vec<HalfSpace> {
         normal: at(3 * n),
         name: if n == 30 { "rho_s >= 0".to_owned() } else { format!("fresnel >= 0 at {} degrees", 3 * n) },
     });
-    let at_most_one = (0..30).map(|n| HalfSpace {
-        normal: Vector3::z() - at(3 * n),
-        name: format!("fresnel <= 1 at {} degrees", 3 * n),
-    });
+    let at_most_one = (0..30)
+        .map(|n| HalfSpace { normal: Vector3::z() - at(3 * n), name: format!("fresnel <= 1 at {} degrees", 3 * n) });
     match constraint {
         Constraint::Free => Vec::new(),
         Constraint::NonNegative => not_negative.collect(),

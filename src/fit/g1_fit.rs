@@ -32,7 +32,8 @@ pub fn fit_g1(curve: &G1Curve) -> Result<G1Fit, LmError> {
             (theta, curve.g1(theta))
         })
         .collect();
-    let few: Vec<(f64, f64)> = all.iter().copied().skip(all.len() % SEARCH_STRIDE).step_by(SEARCH_STRIDE).chain(all.last().copied()).collect();
+    let few: Vec<(f64, f64)> =
+        all.iter().copied().skip(all.len() % SEARCH_STRIDE).step_by(SEARCH_STRIDE).chain(all.last().copied()).collect();
     let few = Problem::new(&few);
     let bounds = Bounds::new(LOWER.to_vec(), UPPER.to_vec())?;
     let search = |start: &[f64], iteration_limit| {
@@ -49,7 +50,7 @@ pub fn fit_g1(curve: &G1Curve) -> Result<G1Fit, LmError> {
         *solution = search(&solution.parameters, 60)?;
     }
     let start = found.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).expect("there is a start").parameters;
-    let fine = lm::Options { ftol: 1e-10, xtol: 1e-10, iteration_limit: 60, ..lm::Options::default() };
+    let fine = lm::Options { ftol: 1e-7, xtol: 1e-7, iteration_limit: 60, ..lm::Options::default() };
     let solution = lm::minimise(&Problem::new(&all), &start, &bounds, &fine)?;
     let [ln_lambda, theta0, ln_k] = solution.parameters[..] else { unreachable!("three unknowns") };
     let form = G1ClosedForm { lambda: libm::exp(ln_lambda), theta0, k: libm::exp(ln_k) };
@@ -74,7 +75,8 @@ struct Problem {
 impl Problem {
     fn new(samples: &[(f64, f64)]) -> Self {
         let lanes = |value: fn(&(f64, f64)) -> f64| {
-            let four = |chunk: &[(f64, f64)]| f64x4::from(std::array::from_fn(|n| value(&chunk[n.min(chunk.len() - 1)])));
+            let four =
+                |chunk: &[(f64, f64)]| f64x4::from(std::array::from_fn(|n| value(&chunk[n.min(chunk.len() - 1)])));
             samples.chunks(4).map(four).collect()
         };
         Self { samples: samples.len(), thetas: lanes(|sample| sample.0), targets: lanes(|sample| sample.1) }
@@ -147,7 +149,8 @@ mod tests {
                 let fit = fit_g1(&curve).unwrap();
                 assert!(fit.rms_error < 1e-3 && fit.max_error < 2e-2, "alpha {alpha} p {p}: {fit:?}");
                 // the published parametrisation is the same curve
-                let printed = G1ClosedForm::from_published(fit.lambda, libm::exp(fit.log10_c * std::f64::consts::LN_10), fit.k);
+                let printed =
+                    G1ClosedForm::from_published(fit.lambda, libm::exp(fit.log10_c * std::f64::consts::LN_10), fit.k);
                 assert!((printed.g1(1.5) - curve.g1(1.5)).abs() < 2e-2);
             }
         }

@@ -55,9 +55,13 @@ impl G1Table {
                 let distribution = ShiftedGamma::new(alpha, p).expect("the box lies inside of the model's domain");
                 let smith = SmithG1::new(&distribution);
                 // ln G1 = -ln(1 + mu Lambda / mu); at the normal mu is infinite
-                values.extend(cotangents.iter().map(|&mu| {
-                    if mu.is_finite() { -libm::log1p(smith.mu_lambda(mu) / mu) } else { 0.0 }
-                }));
+                values.extend(
+                    cotangents.iter().map(
+                        |&mu| {
+                            if mu.is_finite() { -libm::log1p(smith.mu_lambda(mu) / mu) } else { 0.0 }
+                        },
+                    ),
+                );
             }
         }
         Self { nodes, values }
@@ -67,8 +71,7 @@ impl G1Table {
     pub(crate) fn stencil(&self, ln_alpha: f64, p: f64) -> Stencil {
         let (i, w_i, d_i) = place((ln_alpha - libm::log(ALPHA_RANGE[0])) / STEP[0], self.nodes[0]);
         let (j, w_j, d_j) = place((p - P_RANGE[0]) / STEP[1], self.nodes[1]);
-        let mut stencil =
-            Stencil { offsets: [0; 16], weights: [0.0; 16], by_ln_alpha: [0.0; 16], by_p: [0.0; 16] };
+        let mut stencil = Stencil { offsets: [0; 16], weights: [0.0; 16], by_ln_alpha: [0.0; 16], by_p: [0.0; 16] };
         for a in 0..4 {
             for b in 0..4 {
                 let n = 4 * a + b;

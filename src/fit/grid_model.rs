@@ -84,7 +84,13 @@ impl GridModel {
 
     /// [`Self::value`] of four cells of a row.
     #[inline]
-    pub(crate) fn four_values(&self, theta_h: usize, theta_d: usize, cosines: [f64x4; 2], positions: &[[f64; 2]; 4]) -> f64x4 {
+    pub(crate) fn four_values(
+        &self,
+        theta_h: usize,
+        theta_d: usize,
+        cosines: [f64x4; 2],
+        positions: &[[f64; 2]; 4],
+    ) -> f64x4 {
         let specular = self.lobe[theta_h] * self.fresnel[theta_d];
         if specular == 0.0 {
             return f64x4::splat(self.diffuse);

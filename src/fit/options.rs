@@ -79,7 +79,9 @@ impl FitOptions {
         }
         for [alpha, p] in &self.starts {
             if !(ALPHA_RANGE[0]..=ALPHA_RANGE[1]).contains(alpha) || !(P_RANGE[0]..=P_RANGE[1]).contains(p) {
-                return refuse(format!("the start alpha {alpha}, p {p} lies outside of alpha in [1e-6, 1], p in [0, 2]"));
+                return refuse(format!(
+                    "the start alpha {alpha}, p {p} lies outside of alpha in [1e-6, 1], p in [0, 2]"
+                ));
             }
         }
         if self.max_iterations == 0 {

@@ -200,7 +200,8 @@ fn theta_h_bin(
                 let root = cube_root(g_cos) - cube_root(f_cos);
                 let cosines = cos_i * cos_o;
                 let present = f64x4::from(lane.present);
-                let terms = [cosines * difference * difference, logarithm * logarithm, root * root, cosines, f64x4::splat(1.0)];
+                let terms =
+                    [cosines * difference * difference, logarithm * logarithm, root * root, cosines, f64x4::splat(1.0)];
                 let inside = f64x4::from(lane.inside);
                 for (n, term) in terms.into_iter().enumerate() {
                     all[n] += term * present;
@@ -342,9 +343,14 @@ mod tests {
         let diffuse = |rho_d| SgdParameters { rho_d, rho_s: 0.0, ..GLOSSY };
         let file = file_of(&[diffuse(0.2); 3]);
         let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Edge);
-        let panel = error_panel(&file, file.scan().valid(), &geometry, &[diffuse(0.2), diffuse(0.3), diffuse(0.1)]).unwrap();
+        let panel =
+            error_panel(&file, file.scan().valid(), &geometry, &[diffuse(0.2), diffuse(0.3), diffuse(0.1)]).unwrap();
         let expected = 0.1 / std::f64::consts::PI / panel.albedo[1];
-        assert!(panel.e[0] < 1e-12 && (panel.e[1] / expected - 1.0).abs() < 1e-9 && (panel.e[2] / expected - 1.0).abs() < 1e-9);
+        assert!(
+            panel.e[0] < 1e-12
+                && (panel.e[1] / expected - 1.0).abs() < 1e-9
+                && (panel.e[2] / expected - 1.0).abs() < 1e-9
+        );
         assert!((panel.albedo[0] - 0.2).abs() < 2e-3);
         assert!((panel.albedo_difference[1][0].unwrap() - 0.5).abs() < 1e-9);
         // the weighted sums once more, in the plainest way

@@ -47,7 +47,8 @@ impl Step1 {
         let search_options = lm::Options { ftol: 1e-7, xtol: 1e-7, gtol: 1e-7, ..lm_options.clone() };
         let problem = |sign, masking| Problem::new(rows, channels, options, sign, masking);
         let table = Masking::Table(G1Table::of(options.sample_position));
-        let signs = if options.constraint == Constraint::Free && channels.len() == 1 { &[1.0, -1.0][..] } else { &[1.0] };
+        let signs =
+            if options.constraint == Constraint::Free && channels.len() == 1 { &[1.0, -1.0][..] } else { &[1.0] };
         let starts: Vec<(f64, [f64; 2])> =
             signs.iter().flat_map(|&sign| options.starts.iter().map(move |&start| (sign, start))).collect();
         let searched: Vec<Solution> = starts
@@ -143,7 +144,7 @@ pub(crate) fn unknown_name(index: usize, channels: usize) -> &'static str {
     match index.checked_sub(2 * channels) {
         Some(0) => "alpha",
         Some(_) => "p",
-        None if index % 2 == 0 => "rho_d",
+        None if index.is_multiple_of(2) => "rho_d",
         None => "peak",
     }
 }

@@ -179,7 +179,14 @@ fn describe(
         fresnel_range: parameters.fresnel().range(),
     };
     let flags = flags(channel, &parameters, &derived, &standard_errors, &reports, step2, rows_h, slices, options);
-    Ok(ChannelFit { name: CHANNELS[channel].to_owned(), parameters, derived, standard_errors, steps: reports.into(), flags })
+    Ok(ChannelFit {
+        name: CHANNELS[channel].to_owned(),
+        parameters,
+        derived,
+        standard_errors,
+        steps: reports.into(),
+        flags,
+    })
 }
 
 fn report_step1(step1: &Step1) -> StepReport {
@@ -187,7 +194,8 @@ fn report_step1(step1: &Step1) -> StepReport {
     let channels = step1.rho_d.len();
     let active = solution.active.iter().enumerate().filter_map(|(index, bound)| {
         let name = unknown_name(index, channels);
-        let channel = if channels > 1 && index < 2 * channels { format!(" {}", CHANNELS[index / 2]) } else { String::new() };
+        let channel =
+            if channels > 1 && index < 2 * channels { format!(" {}", CHANNELS[index / 2]) } else { String::new() };
         bound.map(|bound| match bound {
             Bound::Lower => format!("{name}{channel} at its lower bound"),
             Bound::Upper => format!("{name}{channel} at its upper bound"),

@@ -45,23 +45,25 @@ fn a_batch_that_is_killed_and_resumed_gives_the_bytes_of_an_undisturbed_one() {
     assert_eq!(whole.len(), 4 * 2 + 2);
 
     let mut numbers = Numbers(20_121);
-    let mut killed = 0;
-    for moment in 0..10 {
-        let out = format!("out{moment}");
-        let mut child = start(&place, &format!("fit in -o {out} --picture"));
-        std::thread::sleep(Duration::from_secs_f64(numbers.next() * duration));
+    let (mut killed, mut span) = (0, duration);
+    while killed < 10 {
+        let mut child = start(&place, "fit in -o out --picture");
+        std::thread::sleep(Duration::from_secs_f64(numbers.draw() * span));
         child.kill().unwrap();
-        killed += usize::from(child.wait().unwrap().signal().is_some());
-        if place.path(&out).exists() {
-            for (name, bytes) in place.files(&out).iter().filter(|(name, _)| !name.ends_with(".tmp")) {
-                assert!(whole[name] == *bytes, "{name} is not whole after a kill");
+        if child.wait().unwrap().signal().is_some() {
+            killed += 1;
+            if place.path("out").exists() {
+                for (name, bytes) in place.files("out").iter().filter(|(name, _)| !name.ends_with(".tmp")) {
+                    assert!(whole[name] == *bytes, "{name} is not whole after kill number {killed}");
+                }
             }
+            place.succeed("fit in -o out --picture --resume");
+            assert!(place.files("out") == whole, "kill number {killed}");
+        } else {
+            span *= 0.8; // it was done before: the machine is faster now
         }
-        place.succeed(&format!("fit in -o {out} --picture --resume"));
-        assert!(place.files(&out) == whole, "kill number {moment}");
-        fs::remove_dir_all(place.path(&out)).unwrap();
+        let _ = fs::remove_dir_all(place.path("out"));
     }
-    assert!(killed >= 5, "only {killed} of 10 runs were killed before they were done");
 }
 
 #[test]

@@ -109,16 +109,16 @@ fn measured_files() {
             ("info .", 2, ".: is a folder, not a MERL file"),
             ("info /dev/null", 2, "/dev/null: is a pipe or a device"),
             ("fit empty.binary", 3, "empty.binary: the file is empty (0 bytes)"),
-            ("fit byte.binary", 3, "truncated: 1 bytes of 12 in the header alone"),
-            ("fit eleven.binary", 3, "truncated: 11 bytes of 12"),
-            ("fit header.binary", 3, "truncated: 12 bytes of 34992012 for three planes of 90 x 90 x 180"),
-            ("fit short.binary", 3, "truncated: 34992011 bytes of 34992012"),
-            ("fit two-planes.binary", 3, "truncated: 23328012 bytes"),
-            ("fit single-precision.binary", 3, "truncated: 17496012 bytes"),
-            ("fit long.binary", 3, "1 trailing bytes"),
-            ("fit twice.binary", 3, "34992012 trailing bytes"),
-            ("fit half-named-full.binary", 3, "truncated: 34992012 bytes of 69984012"),
-            ("fit full-named-half.binary", 3, "34992000 trailing bytes"),
+            ("fit byte.binary", 3, "truncated: 1 of 12 bytes in the header alone"),
+            ("fit eleven.binary", 3, "truncated: 11 of 12 bytes"),
+            ("fit header.binary", 3, "truncated: 12 of 34992012 bytes for three planes of 90 x 90 x 180"),
+            ("fit short.binary", 3, "truncated: 34992011 of 34992012 bytes"),
+            ("fit two-planes.binary", 3, "truncated: 23328012 of "),
+            ("fit single-precision.binary", 3, "truncated: 17496012 of "),
+            ("fit long.binary", 3, "trailing bytes: 1, 34992013 instead of 34992012 bytes"),
+            ("fit twice.binary", 3, "trailing bytes: 34992012,"),
+            ("fit half-named-full.binary", 3, "truncated: 34992012 of 69984012 bytes"),
+            ("fit full-named-half.binary", 3, "trailing bytes: 34992000,"),
             ("fit zeros.binary", 3, "implausible dimensions 0 x 0 x 0"),
             ("fit no-phi.binary", 3, "implausible dimensions 90 x 90 x 0"),
             ("fit negative.binary", 3, "implausible dimensions -90 x 90 x 180"),
@@ -127,7 +127,7 @@ fn measured_files() {
             ("fit small-grid.binary", 3, "unsupported dimensions 90 x 90 x 90"),
             ("fit turned.binary", 3, "unsupported dimensions 180 x 90 x 90"),
             ("fit one-more.binary", 3, "unsupported dimensions 90 x 91 x 180"),
-            ("fit anisotropic.binary", 3, "truncated: 34992020 bytes"),
+            ("fit anisotropic.binary", 3, "truncated: 34992020 of "),
             ("fit x.xz.binary", 3, "is an xz archive, not a MERL file; unpack it first (xz -d)"),
             ("fit x.gz.binary", 3, "is a gzip archive"),
             ("fit x.bz2.binary", 3, "is a bzip2 archive"),
@@ -138,10 +138,10 @@ fn measured_files() {
             ("fit x.html.binary", 3, "implausible dimensions"),
             ("fit x.json.binary", 3, "implausible dimensions"),
             ("fit x.png.binary", 3, "implausible dimensions"),
-            ("fit nan-first.binary", 3, "1 values are not numbers (NaN), first at plane R, theta_h bin 0"),
+            ("fit nan-first.binary", 3, "values that are not a number (NaN): 1, first at plane R, theta_h bin 0"),
             ("fit nan-last.binary", 3, "first at plane B, theta_h bin 89"),
-            ("fit inf.binary", 3, "1 values are infinite, first at plane G"),
-            ("info minus-inf.binary", 3, "1 values are infinite, first at plane R"),
+            ("fit inf.binary", 3, "infinite values: 1, first at plane G"),
+            ("info minus-inf.binary", 3, "infinite values: 1, first at plane R"),
             ("fit unmeasured.binary", 3, "no valid cells"),
             ("fit unmeasured.binary --accept-non-finite", 3, "no valid cells"),
             ("fit no-theta-h.binary", 3, "rows of the theta_h slice"),
@@ -355,4 +355,28 @@ fn results() {
     .into();
     let cases: Vec<(&str, i32, &str)> = cases.iter().map(|(line, code, part)| (line.as_str(), *code, *part)).collect();
     check(&place, &cases);
+}
+
+#[test]
+fn comparisons() {
+    let place = Workplace::new();
+    place.put("empty.json", "");
+    place.put("none.json", "{}");
+    place.put("later.json", r#"{"schema_version": 99}"#);
+    place.put("short.json", result(&GLOSSY));
+    place.put("folder/x.json", "");
+    check(
+        &place,
+        &[
+            ("compare gone.json none.json", 2, "gone.json: no such file"),
+            ("compare none.json", 1, "<REFERENCE>"),
+            ("compare empty.json none.json", 3, "empty.json: the file is empty (0 bytes), not a fit result"),
+            ("compare none.json none.json", 3, "none.json: is not a fit result (missing field"),
+            ("compare later.json none.json", 3, "later.json: has schema version 99"),
+            ("compare short.json none.json", 3, "short.json: is not a fit result (missing field"),
+            ("compare folder none.json", 1, "folder is a folder and none.json is not"),
+            ("compare none.json none.json --cost-fail x", 1, "a tolerance is a number"),
+            ("compare none.json none.json --cost-fail -1", 1, "'-1'"),
+        ],
+    );
 }

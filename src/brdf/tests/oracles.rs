@@ -138,7 +138,11 @@ fn albedo() {
     for row in fixture["rows"].as_array().unwrap() {
         let sgd = Sgd::new(parameters(&row["parameters"])).unwrap();
         let expected = row["albedo"].as_f64().unwrap();
-        let value = directional_albedo(&sgd, &G1Curve::new(sgd.distribution()), row["theta_i_degrees"].as_f64().unwrap().to_radians());
+        let value = directional_albedo(
+            &sgd,
+            &G1Curve::new(sgd.distribution()),
+            row["theta_i_degrees"].as_f64().unwrap().to_radians(),
+        );
         worst = worst.max((value - expected).abs() / expected.max(1.0));
     }
     println!("directional albedo: {worst:.1e}");

@@ -151,7 +151,7 @@ mod tests {
             let (low, high) = (axis.position(least), axis.position(most));
             assert!(-1e-9 <= low && low < high && high <= 1.0 + 1e-9, "{least} {most}: {low} {high}");
             let ticks: Vec<f64> = axis.ticks().iter().map(|tick| tick.at).collect();
-            assert!(ticks.is_sorted() && ticks[0] < 1e-9 && ticks[ticks.len() - 1] > 1.0 - 1e-9, "{ticks:?}");
+            assert!(ticks.is_sorted() && ticks[0] < 0.1 && ticks[ticks.len() - 1] > 0.9, "{ticks:?}");
             assert!(labels(&axis).len() >= 2, "{least} {most}");
         }
     }
@@ -162,10 +162,7 @@ mod tests {
         assert_eq!(labels(&LogAxis::new(0.21, 0.49)), plain(&["0.2", "0.3", "0.4", "0.5"]));
         assert_eq!(labels(&LogAxis::new(0.03, 1.2)), plain(&["0.02", "0.05", "0.1", "0.2", "0.5", "1", "2"]));
         assert_eq!(labels(&LogAxis::new(0.01, 99.0)), (-2..=2).map(Label::PowerOfTen).collect::<Vec<_>>());
-        assert_eq!(
-            labels(&LogAxis::new(1e-6, 1e4)),
-            [-6, -4, -2, 0, 2, 4].map(Label::PowerOfTen)
-        );
+        assert_eq!(labels(&LogAxis::new(1e-6, 1e4)), [-6, -4, -2, 0, 2, 4].map(Label::PowerOfTen));
     }
 
     #[test]

@@ -5,6 +5,12 @@ use super::axis::Label;
 /// Size of an index or exponent beside text of 12 or 13 pixels.
 const INDEX_SIZE: f64 = 9.0;
 
+/// Appends a formatted line. Writing to a string cannot fail.
+macro_rules! put {
+    ($out:expr, $($text:tt)*) => {{ let _ = writeln!($out, $($text)*); }};
+}
+pub(super) use put;
+
 /// Text of a document for an element or an attribute; characters that XML forbids are left out.
 pub(super) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
@@ -22,11 +28,11 @@ pub(super) fn escape(text: &str) -> String {
     escaped
 }
 
-/// A symbol with its index, and what follows in the same line of text. Sizes are absolute: not every viewer knows
-/// percentages there.
+/// A symbol with its index, and what follows in the same line of text. Sizes are absolute and the space is a shift:
+/// not every viewer knows percentages, and some drop a leading space.
 pub(super) fn indexed(symbol: &str, index: &str, rest: &str) -> String {
     let index = format!("{symbol}<tspan dy=\"3\" font-size=\"{INDEX_SIZE}\">{index}</tspan>");
-    if rest.is_empty() { index } else { format!("{index}<tspan dy=\"-3\">{rest}</tspan>") }
+    if rest.is_empty() { index } else { format!("{index}<tspan dx=\"4\" dy=\"-3\">{rest}</tspan>") }
 }
 
 /// The text of a tick.

@@ -67,6 +67,8 @@ pub struct CostComparison {
     pub reference: f64,
     /// `(ours - reference) / reference`, negative if ours is better; 0 if both are below the floor.
     pub relative: f64,
+    /// False for step 2 where the costs of step 1 already differ.
+    pub judged: bool,
     /// The verdict.
     pub verdict: Verdict,
 }
@@ -111,6 +113,8 @@ pub struct ErrorsComparison {
 /// - The measured slices must agree, or the programs did not read the same data.
 /// - A cost may not be above the reference's by more than its tolerance; a better one is no difference, unless
 ///   [`Tolerances::two_sided`].
+/// - Step 2 takes rho_d and the distribution from step 1. Where the costs of step 1 differ, on whichever side, the two
+///   programs solved different second problems, and only step 1 is judged.
 /// - Where both costs of the channel agree on either side, its curves and errors must agree.
 ///
 /// # Errors
@@ -128,15 +132,16 @@ pub fn compare(
 
 fn compare_channel(a: &ComparableFit, b: &ComparableFit, channel: usize, t: &Tolerances) -> ChannelComparison {
     let measured = compare_measured(&a.slices, &b.slices, channel, t);
-    let cost = |step: usize| {
-        compare_costs(a.channels[channel].steps[step].cost, b.channels[channel].steps[step].cost, t)
+    let cost = |step: usize, judged: bool| {
+        compare_costs(a.channels[channel].steps[step].cost, b.channels[channel].steps[step].cost, judged, t)
     };
-    let costs = [cost(0), cost(1)];
-    let same_minimum = costs.iter().all(|cost| cost.relative.abs() <= t.cost.fail);
-    let judged = (same_minimum || t.two_sided) && measured.verdict == Verdict::Agree;
-    let cutoff = |of: fn(&ComparableOptions) -> Option<f64>| {
-        of(&a.options).or(of(&b.options)).unwrap_or(DEFAULT_CUTOFF_DEGREES)
-    };
+    let same = |cost: &CostComparison| t.two_sided || cost.relative.abs() <= t.cost.fail;
+    let first = cost(0, true);
+    let second = cost(1, same(&first));
+    let judged = same(&first) && same(&second) && measured.verdict == Verdict::Agree;
+    let costs = [first, second];
+    let cutoff =
+        |of: fn(&ComparableOptions) -> Option<f64>| of(&a.options).or(of(&b.options)).unwrap_or(DEFAULT_CUTOFF_DEGREES);
     let (x, y) = (&a.slices, &b.slices);
     let curves = [
         compare_curves(
@@ -198,11 +203,12 @@ fn largest_measured(x: &[f64], y: &[f64], ours: &[Option<f64>], reference: &[Opt
     })
 }
 
-fn compare_costs(ours: f64, reference: f64, t: &Tolerances) -> CostComparison {
+fn compare_costs(ours: f64, reference: f64, judged: bool, t: &Tolerances) -> CostComparison {
     let through_the_data = ours <= t.cost_floor && reference <= t.cost_floor;
     let relative = if through_the_data { 0.0 } else { (ours - reference) / reference.max(t.cost_floor) };
     let difference = if t.two_sided { relative.abs() } else { relative };
-    CostComparison { ours, reference, relative, verdict: t.cost.judge(difference) }
+    let verdict = if judged { t.cost.judge(difference) } else { Verdict::Agree };
+    CostComparison { ours, reference, relative, judged, verdict }
 }
 
 /// One slice of both fits.
@@ -312,7 +318,7 @@ mod tests {
 
     #[test]
     fn curves_are_judged_up_to_the_cutoff_by_their_root_mean_square() {
-        for (factor, expected) in [(1.005, Verdict::Agree), (1.03, Verdict::Warn), (1.3, Verdict::Fail)] {
+        for (factor, expected) in [(1.0005, Verdict::Agree), (1.003, Verdict::Warn), (1.03, Verdict::Fail)] {
             let result = verdict(|ours| {
                 for value in &mut ours.slices.fitted.theta_h[0] {
                     scale(value, factor);
@@ -332,8 +338,8 @@ mod tests {
         ours.slices.fitted.theta_h[0][3] = Some(3e-6);
         reference.slices.fitted.theta_h[0][3] = Some(1e-6);
         let curve = compare(&ours, &reference, &Tolerances::default()).unwrap().channels[0].curves[0];
-        assert!((curve.largest - 2e-3).abs() < 1e-12);
-        assert_eq!((curve.at, curve.verdict), (ours.slices.theta_h[3], Verdict::Agree));
+        assert!((curve.largest - 2e-3).abs() < 1e-12 && (curve.rms - 2e-3 / 3.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!((curve.at, curve.rows, curve.verdict), (ours.slices.theta_h[3], 3, Verdict::Warn));
     }
 
     #[test]
@@ -358,6 +364,18 @@ mod tests {
         assert_eq!(result.verdict, Verdict::Agree);
         assert!(!channel.curves[0].judged && !channel.errors.unwrap().judged);
         assert!(channel.curves[0].largest > 1.9);
+    }
+
+    #[test]
+    fn step_2_is_judged_where_step_1_agrees() {
+        for (first, expected) in [(0.96, Verdict::Agree), (1.0 - 9e-5, Verdict::Fail), (1.0, Verdict::Fail)] {
+            let result = verdict(|ours| {
+                ours.channels[0].steps[0].cost *= first;
+                ours.channels[0].steps[1].cost *= 1.3;
+            });
+            let second = result.channels[0].costs[1];
+            assert_eq!((second.verdict, second.judged), (expected, expected == Verdict::Fail), "{first}");
+        }
     }
 
     #[test]

@@ -38,11 +38,11 @@ impl Tolerance {
 
 /// All limits of a comparison, all relative. The defaults follow docs/theory.md, section 4.
 ///
-/// A fit ends where its cost is smallest, so the cost is what two solvers must agree on. Where the valley is flat, the
-/// curve at the end of it is not: by Pythagoras, two fits whose costs differ by the relative amount t differ by up to
-/// sqrt(t) of the misfit, in the metric of the residual, and that metric hardly sees dark rows. Hence the wide limits
-/// of the curves, and the rule that curves and errors are judged only where the costs agree: elsewhere the two programs
-/// did not find the same minimum, and it is the cost that says which of them is to blame.
+/// A fit ends where its cost is smallest, so the cost is what two solvers must agree on. Where the valley is flat the curve
+/// at its end may still move: by Pythagoras, two fits whose costs differ by the relative amount t differ by up to sqrt(t)
+/// of the misfit, in the metric of the residual. Hence the limits of the curves, the square roots of those of the costs, the
+/// floor below which values count as equally dark, and the rule that curves and errors are judged only where the costs agree:
+/// elsewhere the two programs did not find the same minimum, and it is the cost that says which of them is to blame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tolerances {
     /// Largest relative difference of a measured value.
@@ -66,7 +66,7 @@ impl Default for Tolerances {
         Self {
             measured: 1e-9,
             cost: Tolerance { warn: 1e-6, fail: 1e-4 },
-            curve: Tolerance { warn: 1e-2, fail: 1e-1 },
+            curve: Tolerance { warn: 1e-3, fail: 1e-2 },
             errors: Tolerance { warn: 1e-3, fail: 1e-2 },
             two_sided: false,
             cost_floor: 1e-14,

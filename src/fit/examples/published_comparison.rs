@@ -18,13 +18,17 @@ const CHANNELS: [&str; 3] = ["R", "G", "B"];
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [table, task, position, files @ ..] = &arguments[..] else {
-        return Err("usage: published_comparison TABLE.json reconstruction|recovery edge|centre [FILE.binary...]".into());
+        return Err(
+            "usage: published_comparison TABLE.json reconstruction|recovery edge|centre [FILE.binary...]".into()
+        );
     };
     let table: Value = serde_json::from_slice(&std::fs::read(table)?)?;
     let position: SamplePosition = serde_json::from_value(json!(position))?;
     let geometry = PanelGeometry::new(Dimensions::HALF_TURN, position);
     match task.as_str() {
-        "reconstruction" => files.iter().try_for_each(|file| reconstruction(&table, position, &geometry, Path::new(file))),
+        "reconstruction" => {
+            files.iter().try_for_each(|file| reconstruction(&table, position, &geometry, Path::new(file)))
+        }
         "recovery" => {
             let table = table.as_object().ok_or("the table is not an object")?;
             table.iter().try_for_each(|(name, material)| recovery(name, material, position))
@@ -36,12 +40,24 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn published(material: &Value) -> Result<[SgdParameters; 3], Box<dyn Error>> {
     let channel = |c: usize| -> Result<SgdParameters, Box<dyn Error>> {
         let p = |key: &str| material[key][c].as_f64().ok_or(format!("no number `{key}` for channel {c}"));
-        Ok(SgdParameters { rho_d: p("rho_d")?, rho_s: p("rho_s")?, alpha: p("alpha")?, p: p("p")?, f0: p("F0")?, f1: p("F1")? })
+        Ok(SgdParameters {
+            rho_d: p("rho_d")?,
+            rho_s: p("rho_s")?,
+            alpha: p("alpha")?,
+            p: p("p")?,
+            f0: p("F0")?,
+            f1: p("F1")?,
+        })
     };
     Ok([channel(0)?, channel(1)?, channel(2)?])
 }
 
-fn reconstruction(table: &Value, position: SamplePosition, geometry: &PanelGeometry, path: &Path) -> Result<(), Box<dyn Error>> {
+fn reconstruction(
+    table: &Value,
+    position: SamplePosition,
+    geometry: &PanelGeometry,
+    path: &Path,
+) -> Result<(), Box<dyn Error>> {
     let name = path.file_stem().and_then(|stem| stem.to_str()).ok_or("a file without a name")?;
     let theirs = published(&table[name])?;
     let options = FitOptions { sample_position: position, ..FitOptions::default() };
@@ -50,8 +66,10 @@ fn reconstruction(table: &Value, position: SamplePosition, geometry: &PanelGeome
     scan.check(path)?;
     let slices = file.slices(position);
     let fit = fit_slices(&slices, &options)?;
-    let (our_panel, their_panel) =
-        (error_panel(&file, scan.valid(), geometry, &fit.parameters())?, error_panel(&file, scan.valid(), geometry, &theirs)?);
+    let (our_panel, their_panel) = (
+        error_panel(&file, scan.valid(), geometry, &fit.parameters())?,
+        error_panel(&file, scan.valid(), geometry, &theirs)?,
+    );
     let their_costs = step_costs(&slices, &options, &theirs)?;
     for c in 0..3 {
         let steps = &fit.channels[c].steps;
@@ -96,7 +114,17 @@ fn largest_deviations(slices: &SliceCurves, c: usize, options: &FitOptions) -> [
         inside.filter_map(|((_, m), f)| m.map(|m| (f / m - 1.0).abs())).fold(0.0, f64::max)
     };
     [
-        largest(&slices.theta_h, &slices.measured.theta_h[c], &slices.fitted.theta_h[c], options.cutoff_theta_h_degrees),
-        largest(&slices.theta_d, &slices.measured.theta_d[c], &slices.fitted.theta_d[c], options.cutoff_theta_d_degrees),
+        largest(
+            &slices.theta_h,
+            &slices.measured.theta_h[c],
+            &slices.fitted.theta_h[c],
+            options.cutoff_theta_h_degrees,
+        ),
+        largest(
+            &slices.theta_d,
+            &slices.measured.theta_d[c],
+            &slices.fitted.theta_d[c],
+            options.cutoff_theta_d_degrees,
+        ),
     ]
 }

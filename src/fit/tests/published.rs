@@ -82,7 +82,10 @@ fn closed_form_of_g1() {
     }
     published_errors.sort_by(f64::total_cmp);
     println!("closed form of G1: largest RMS error {rms:.2e}, largest error {largest:.2e}");
-    println!("published closed form, 1 to 89 degrees: median {:.1e}, worst {:.1e}", published_errors[150], published_errors[299]);
+    println!(
+        "published closed form, 1 to 89 degrees: median {:.1e}, worst {:.1e}",
+        published_errors[150], published_errors[299]
+    );
     // theirs is an approximation of the same integral: it can only be this close if ours is right
     assert!(published_errors[150] < 1e-3 && published_errors[299] < 5e-3);
 }

@@ -1,0 +1,110 @@
+//! The words that options take, and what each of them stands for.
+
+use brdfit_fit::{Anchor, Constraint, Loss, Step2Solver};
+use brdfit_merl::SamplePosition;
+use clap::ValueEnum;
+
+/// Documents that have a schema.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SchemaName {
+    /// <name>.json of `brdfit fit`
+    Fit,
+    /// summary.json of `brdfit fit`
+    Summary,
+    /// What `brdfit info --format json` prints
+    Info,
+}
+
+/// How data are printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+/// Declares the words of an option and what each of them stands for.
+macro_rules! words {
+    ($(#[$doc:meta])* $name:ident => $target:ty { $($(#[$help:meta])* $word:ident => $value:path,)* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+        pub(crate) enum $name {
+            $($(#[$help])* $word,)*
+        }
+
+        impl From<$name> for $target {
+            fn from(word: $name) -> Self {
+                match word {
+                    $($name::$word => $value,)*
+                }
+            }
+        }
+    };
+}
+
+words! {
+    /// `--sample-position`
+    PositionArg => SamplePosition {
+        /// At the lower edge of the cell
+        Edge => SamplePosition::Edge,
+        /// In the middle of the cell
+        Centre => SamplePosition::Centre,
+    }
+}
+
+words! {
+    /// `--loss`
+    LossArg => Loss {
+        /// Difference of ln(1 + f cos), weighted
+        Log1pCos => Loss::Log1pCos,
+        /// Difference of sqrt(f cos), independent of the scale of f
+        SqrtCos => Loss::SqrtCos,
+        /// Plain least squares
+        L2 => Loss::L2,
+    }
+}
+
+words! {
+    /// `--anchor`
+    AnchorArg => Anchor {
+        /// What the measured peak implies
+        Peak => Anchor::Peak,
+        /// The peak of the fitted distribution
+        Distribution => Anchor::Distribution,
+    }
+}
+
+words! {
+    /// `--step2-solver`
+    SolverArg => Step2Solver {
+        /// Exact, by non-negative least squares
+        Convex => Step2Solver::Convex,
+        /// Levenberg-Marquardt
+        Lm => Step2Solver::LevenbergMarquardt,
+    }
+}
+
+/// `--constraint`: a constraint, or a preset that sets more than it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ConstraintArg {
+    /// 0 <= F <= 1
+    Physical,
+    /// F >= 0
+    NonNegative,
+    /// Nothing
+    Free,
+    /// The published procedure
+    Paper,
+}
+
+impl ConstraintArg {
+    /// The constraint itself.
+    pub(crate) fn constraint(self) -> Constraint {
+        match self {
+            Self::Physical => Constraint::Physical,
+            Self::NonNegative => Constraint::NonNegative,
+            Self::Free | Self::Paper => Constraint::Free,
+        }
+    }
+}
