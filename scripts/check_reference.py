@@ -122,7 +122,7 @@ def step_two_problems():
             measured = np.maximum(0.1 / math.pi + q * (objective.fresnel_basis(theta_d) @ u), 0.0)
             measured = measured * np.exp(rng.normal(0, 0.1, len(theta_d)))
             for constraint in ("physical", "non-negative"):
-                yield objective.StepTwo.make(theta_d, measured, 0.1, shape, shape.peak(), constraint)
+                yield objective.StepTwo.make(theta_d, measured, 0.1, shape, shape.peak(), constraint, "log1p-cos")
 
 
 def check_step_two():

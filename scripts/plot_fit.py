@@ -54,7 +54,7 @@ def draw(document):
         for column, name in enumerate(channels):
             upper, lower = axes[2 * row][column], axes[2 * row + 1][column]
             measured, fitted = (curve(slices[kind][axis][column]) for kind in ("measured", "fitted"))
-            draw_slice(upper, lower, degrees, measured, fitted, COLOURS.get(name, "tab:gray"), options.get(f"cutoff_{axis}"))
+            draw_slice(upper, lower, degrees, measured, fitted, COLOURS.get(name, "tab:gray"), options.get(f"cutoff_{axis}_degrees", options.get(f"cutoff_{axis}")))
             upper.set_title(f"{name}: {TITLES[axis]}", fontsize=10)
             upper.set_ylabel("f, 1/sr")
             lower.set_xlabel(f"{axis}, degrees")

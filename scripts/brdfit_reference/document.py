@@ -58,12 +58,12 @@ def fit_channel(h, d, channel, options):
 
     rows_d = d.rows(options.cutoff_theta_d)
     measured_d = d.mean[channel][rows_d]
-    linear = objective.StepTwo.make(d.angles[rows_d], measured_d, rho_d, shape, anchor, options.constraint)
+    linear = objective.StepTwo.make(d.angles[rows_d], measured_d, rho_d, shape, anchor, options.constraint, options.loss)
     two = solvers.solve_step_two(linear, options.solver)
     flags = _bound_flags(one.x)
     if abs(two.x[2]) <= objective.NO_SPECULAR:
         rho_s, f0, f1 = 0.0, 0.0, 0.0
-        flags.append("rho_s_zero")
+        flags.append("no_specular")
     else:
         rho_s, f0, f1 = float(two.x[2]), float(two.x[0] / two.x[2]), float(two.x[1] / two.x[2])
     steps = [_step("theta_h", one, len(rows)), _step("theta_d", two, len(rows_d))]

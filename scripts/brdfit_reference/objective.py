@@ -17,7 +17,7 @@ LOSSES = ("log1p-cos", "sqrt-cos", "l2")
 CONSTRAINTS = ("physical", "non-negative", "free", "paper")
 LOWER = np.array([math.log(1e-6), math.log(1e-6), math.log(1e-6), 0.0])
 UPPER = np.array([math.log(10.0), math.log(1e7), 0.0, 2.0])
-START_SHAPES = ((1e-4, 0.4), (3e-3, 0.4), (0.1, 0.4), (0.9, 0.1))
+START_SHAPES = ((1e-4, 0.4), (3e-3, 0.4), (0.1, 0.4), (0.9, 0.1), (1e-5, 0.4))
 SMALLEST_START = 1e-5
 NO_SPECULAR = 1e-12
 """Below this rho_s is written as zero, with F0 and F1."""
@@ -123,10 +123,10 @@ class StepTwo:
     constraints: np.ndarray
 
     @classmethod
-    def make(cls, theta_d, measured, rho_d, shape, anchor_value, constraint):
+    def make(cls, theta_d, measured, rho_d, shape, anchor_value, constraint, loss):
         """Rows: sample angles and the measured mean in 1/sr; rho_d, shape and anchor from step 1."""
         q = anchor_value * (shape.g1(theta_d) / np.cos(theta_d)) ** 2 / math.pi
-        if constraint == "paper":
+        if loss == "l2":
             weight = np.ones_like(measured)
         else:
             c = np.cos(theta_d)

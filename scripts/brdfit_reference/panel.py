@@ -73,6 +73,7 @@ class Panel:
         cosines = self._cos_i * self._cos_o
         albedo = max(self._albedo(measured, math.radians(angle)) for angle in range(0, 81, 5))
         e = math.sqrt(np.sum(w * cosines * (g - f) ** 2) / np.sum(w * cosines)) / albedo
+        g = np.maximum(g, 0.0)  # a fit without constraints may dip below zero: E sees it, L and C take what a renderer would
         logs = np.log1p(g * self._cos_i) - np.log1p(f * self._cos_i)
         roots = np.cbrt(g * self._cos_i) - np.cbrt(f * self._cos_i)
         total = np.sum(w)

@@ -145,7 +145,8 @@ pub struct StepReport {
     pub start: usize,
     /// Bounds or constraints that are active at the solution.
     pub active_bounds: Vec<String>,
-    /// Condition number of the column-scaled Jacobian over the free parameters; null where there is none.
+    /// Condition number of the column-scaled Jacobian: in step 1 over the parameters that are not at a bound, in step 2 over
+    /// rho_s (f0, f1, 1) without the constraints; null where there is none.
     pub condition_number: Option<f64>,
 }
 
@@ -171,9 +172,9 @@ pub enum Flag {
     Step1IllConditioned,
     /// A step ran into its iteration limit.
     NotConverged,
-    /// Fewer than half of the rows inside the cut-offs have a measurement.
+    /// Fewer than half of the rows of a slice inside its cut-off have a measurement.
     FewRows,
-    /// The fitted curve misses the peak cell by more than half: the anchor fell back on D(0).
+    /// The measured peak cell lies below half of the fitted peak; step 2's peak height was limited (docs/theory.md, section 4).
     PeakMissed,
 }
 
@@ -187,7 +188,7 @@ pub struct ErrorPanel {
     /// Root mean square difference weighted by the cosines, over `albedo`.
     #[serde(rename = "E")]
     pub e: [f64; 3],
-    /// Root mean square difference of `ln(1 + f cos theta_i)`.
+    /// Root mean square difference of `ln(1 + f cos theta_i)`; a model below zero counts as zero, as in C.
     #[serde(rename = "L")]
     pub l: [f64; 3],
     /// Root mean square difference of the cube roots of `f cos theta_i`.

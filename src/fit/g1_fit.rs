@@ -175,7 +175,10 @@ mod tests {
                 let curve = G1Curve::new(&ShiftedGamma::new(alpha, p).unwrap());
                 let fit = fit_g1(&curve).unwrap();
                 assert!(fit.rms_error < 1e-3 && fit.max_error < 2e-2, "alpha {alpha} p {p}: {fit:?}");
-                // the published parametrisation is the same curve
+                // the published parametrisation is the same curve, where its c fits in a double
+                if fit.log10_c.abs() > 300.0 {
+                    continue;
+                }
                 let printed =
                     G1ClosedForm::from_published(fit.lambda, libm::exp(fit.log10_c * std::f64::consts::LN_10), fit.k);
                 assert!((printed.g1(1.5) - curve.g1(1.5)).abs() < 2e-2);

@@ -148,6 +148,8 @@ mod tests {
             [(Dimensions::HALF_TURN, SamplePosition::Edge), (Dimensions::FULL_TURN, SamplePosition::Centre)]
         {
             let planes = synthesise(&[parameters; 3], dimensions, position).unwrap();
+            let grid = Grid::new(dimensions, position);
+            let (directions, grid_model) = (Directions::new(&grid), GridModel::new(parameters, &grid).unwrap());
             let mut usable = 0;
             for cell in (0..dimensions.cells()).step_by(1013) {
                 let (h, d, p) = dimensions.bins(cell);
@@ -160,8 +162,7 @@ mod tests {
                 if cos_i.min(cos_o) > 1e-9 {
                     usable += 1;
                     let exact = sgd.value(&Configuration::from(angles));
-                    let positions = [Directions::new(&Grid::new(dimensions, position)).of(cell); 4];
-                    let grid_model = GridModel::new(parameters, &Grid::new(dimensions, position)).unwrap();
+                    let positions = [directions.of(cell); 4];
                     let four = grid_model.four_values(h, d, [cos_i, cos_o].map(f64x4::splat), &positions);
                     assert!((four.to_array()[3] / exact - 1.0).abs() < 1e-6);
                     assert!((planes[1][cell] / exact - 1.0).abs() < 1e-6, "{angles:?}: {} {exact}", planes[1][cell]);

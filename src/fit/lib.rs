@@ -11,6 +11,7 @@ pub mod lm;
 mod nnls;
 mod options;
 mod panel;
+mod report;
 mod rows;
 mod step1;
 mod step2;

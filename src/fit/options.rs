@@ -26,7 +26,7 @@ pub struct FitOptions {
     pub cutoff_theta_d_degrees: f64,
     /// Starts of step 1 as (alpha, p); the best result wins, ties go to the first.
     pub starts: Vec<[f64; 2]>,
-    /// Limit of iterations per start.
+    /// Limit of iterations of each run of the solver.
     pub max_iterations: u64,
 }
 
@@ -41,7 +41,7 @@ impl Default for FitOptions {
             step2_solver: Step2Solver::Convex,
             cutoff_theta_h_degrees: 75.0,
             cutoff_theta_d_degrees: 75.0,
-            starts: vec![[1e-4, 0.4], [3e-3, 0.4], [0.1, 0.4], [0.9, 0.1]],
+            starts: vec![[1e-4, 0.4], [3e-3, 0.4], [0.1, 0.4], [0.9, 0.1], [1e-5, 0.4]],
             max_iterations: 200,
         }
     }
@@ -142,7 +142,8 @@ pub enum Constraint {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Anchor {
-    /// What the measured peak cell implies, `(pi m_h[0] - rho_d) / Fr`, at least D(0)/2: then `rho_s F(0) = Fr`.
+    /// What the measured peak cell implies: D(0) times the ratio of its excess over rho_d to the fitted lobe there, at least
+    /// D(0)/2; then `rho_s F(0) = Fr`. D(0) stands for D at the first sample, which is 0 for samples at the edge.
     #[default]
     Peak,
     /// `D(0)` of the fitted distribution.

@@ -194,7 +194,8 @@ fn theta_h_bin(
                 let g = models[c].four_values(theta_h, theta_d, [cos_i, cos_o], &lane.positions);
                 note_largest(&mut parts[c], &f, &g.to_array(), lane, four, theta_h, theta_d);
                 let f = f64x4::from(f);
-                let (f_cos, g_cos) = (f * cos_i, g * cos_i);
+                // a fit without constraints may dip below zero: E sees it, L and C take what a renderer would
+                let (f_cos, g_cos) = (f * cos_i, g.max(f64x4::splat(0.0)) * cos_i);
                 let difference = g - f;
                 let logarithm = ((g_cos + 1.0) / (f_cos + 1.0)).ln();
                 let root = cube_root(g_cos) - cube_root(f_cos);
@@ -241,7 +242,7 @@ fn note_largest(
     }
 }
 
-/// Cube roots of numbers that are not negative, within 2e-15 relative; about 5e-67 for zero. A third of the exponent bits for a
+/// Cube roots of numbers that are not negative, within 1e-13 relative; about 5e-67 for zero. A third of the exponent bits for a
 /// start (within 4 %), then two steps of Halley's iteration, which triples the digits.
 fn cube_root(x: f64x4) -> f64x4 {
     const THIRD_OF_BIAS: u64 = 0x2a9f_7893_0000_0000;
@@ -310,25 +311,25 @@ mod tests {
 
     const GLOSSY: SgdParameters = SgdParameters { rho_d: 0.1, rho_s: 0.4, alpha: 0.02, p: 0.7, f0: 0.3, f1: 0.1 };
 
-    fn file_of(parameters: &[SgdParameters; 3]) -> MerlFile {
+    fn file_of(parameters: &[SgdParameters; 3], position: SamplePosition) -> MerlFile {
         let dimensions = Dimensions::HALF_TURN;
-        let planes = synthesise(parameters, dimensions, SamplePosition::Edge).unwrap();
+        let planes = synthesise(parameters, dimensions, position).unwrap();
         MerlFile::from_fn("synthetic", dimensions, |c, h, d, p| planes[c][dimensions.index(h, d, p)]).unwrap()
     }
 
     #[test]
-    fn cube_roots_are_exact_to_rounding() {
+    fn cube_roots_have_thirteen_digits() {
         for n in -600..300 {
             let x = 10f64.powf(f64::from(n) / 10.0);
             let root = cube_root(f64x4::splat(x)).to_array()[0];
-            assert!((root / libm::cbrt(x) - 1.0).abs() < 2e-15, "{x}: {root}");
+            assert!((root / libm::cbrt(x) - 1.0).abs() < 1e-13, "{x}: {root}");
         }
         assert!(cube_root(f64x4::splat(0.0)).to_array()[0] < 1e-60);
     }
 
     #[test]
     fn the_model_has_no_distance_from_itself() {
-        let file = file_of(&[GLOSSY; 3]);
+        let file = file_of(&[GLOSSY; 3], SamplePosition::Edge);
         let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Edge);
         let panel = error_panel(&file, file.scan().valid(), &geometry, &[GLOSSY; 3]).unwrap();
         for errors in [panel.e, panel.l, panel.c, panel.all_cells.errors.e] {
@@ -338,11 +339,20 @@ mod tests {
     }
 
     #[test]
+    fn a_model_below_zero_still_has_errors() {
+        let file = file_of(&[GLOSSY; 3], SamplePosition::Edge);
+        let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Edge);
+        let negative = SgdParameters { rho_s: -40.0, ..GLOSSY };
+        let panel = error_panel(&file, file.scan().valid(), &geometry, &[negative; 3]).unwrap();
+        assert!([panel.e, panel.l, panel.c].as_flattened().iter().all(|error| error.is_finite() && *error > 0.0));
+    }
+
+    #[test]
     fn diffuse_against_diffuse_has_a_closed_form() {
         // f = 0.2/pi, g = 0.3/pi: E = 0.1/pi / albedo; L and C are means of known functions of cos theta_i over equal cells
         let diffuse = |rho_d| SgdParameters { rho_d, rho_s: 0.0, ..GLOSSY };
-        let file = file_of(&[diffuse(0.2); 3]);
-        let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Edge);
+        let file = file_of(&[diffuse(0.2); 3], SamplePosition::Centre);
+        let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Centre);
         let panel =
             error_panel(&file, file.scan().valid(), &geometry, &[diffuse(0.2), diffuse(0.3), diffuse(0.1)]).unwrap();
         let expected = 0.1 / std::f64::consts::PI / panel.albedo[1];
@@ -354,7 +364,7 @@ mod tests {
         assert!((panel.albedo[0] - 0.2).abs() < 2e-3);
         assert!((panel.albedo_difference[1][0].unwrap() - 0.5).abs() < 1e-9);
         // the weighted sums once more, in the plainest way
-        let grid = Grid::new(file.dimensions(), SamplePosition::Edge);
+        let grid = Grid::new(file.dimensions(), SamplePosition::Centre);
         let (mut logs, mut roots, mut weights) = (0.0, 0.0, 0.0);
         for cell in (0..file.dimensions().cells()).filter(|&cell| grid.panel().contains(cell)) {
             let (h, d, _) = file.dimensions().bins(cell);

@@ -119,9 +119,11 @@ impl Step1 {
 
     /// The fitted slice at theta_h for the n-th channel of the fit, 1/sr.
     pub(crate) fn curve(&self, n: usize, smith: &SmithG1, theta_h: f64) -> f64 {
-        if self.is_flat(n) {
-            return self.rho_d[n] / PI;
-        }
+        if self.is_flat(n) { self.rho_d[n] / PI } else { self.curve_with_lobe(n, smith, theta_h) }
+    }
+
+    /// The same with the lobe even where it is negligible.
+    pub(crate) fn curve_with_lobe(&self, n: usize, smith: &SmithG1, theta_h: f64) -> f64 {
         let ratio = smith.g1(theta_h) / libm::cos(theta_h);
         (self.rho_d[n] + self.fr(n) * self.distribution.d_at(theta_h) * ratio * ratio) / PI
     }

@@ -4,7 +4,6 @@
 //! `u = rho_s (f0, f1, 1)`. The residual is weighted, the constraint on F is a cone in u: a convex problem in three unknowns.
 
 use crate::cone::{HalfSpace, basis, conditions, extreme_rays};
-use crate::document::StandardErrors;
 use crate::lm::{self, Bounds, LeastSquares, LmError, Termination};
 use crate::nnls::nnls;
 use crate::options::{Anchor, FitOptions, Loss, Step2Solver};
@@ -26,7 +25,7 @@ pub(crate) struct Step2 {
     pub(crate) f1: f64,
     /// Peak height A, 1/sr.
     pub(crate) anchor: f64,
-    /// Whether the measured peak cell was too low for [`Anchor::Peak`].
+    /// Whether the measured peak cell lies below half of the fitted lobe.
     pub(crate) peak_missed: bool,
     /// Half the sum of squared residuals, before a negligible specular part is dropped.
     pub(crate) cost: f64,
@@ -52,9 +51,11 @@ struct Linear {
 }
 
 impl Step2 {
-    /// Fits `channel`, which was the n-th channel of its step 1; `rows_h` are that step's rows.
+    /// Fits `channel`, which was the n-th channel of its step 1; `rows_h` are that step's rows, `theta_h` is the sample angle of the
+    /// slice.
     pub(crate) fn fit(
         rows: &[Row],
+        theta_h: f64,
         rows_h: &[Row],
         channel: usize,
         step1: &Step1,
@@ -62,13 +63,13 @@ impl Step2 {
         options: &FitOptions,
     ) -> Result<Self, LmError> {
         let smith = SmithG1::new(&step1.distribution);
-        let d0 = step1.distribution.d_at(0.0);
-        let excess = (PI * rows_h[0].measured[channel] - step1.rho_d[n]) / step1.fr(n);
-        let peak_missed = excess < 0.5 * d0;
+        // the distribution at theta_h bin 0, where the whole slice lies
+        let d0 = step1.distribution.d_at(theta_h);
+        let lobe = PI * step1.curve_with_lobe(n, &smith, rows_h[0].theta) - step1.rho_d[n];
+        let ratio = (PI * rows_h[0].measured[channel] - step1.rho_d[n]) / lobe;
         let anchor = match options.anchor {
-            Anchor::Distribution => d0,
-            Anchor::Peak if excess <= 0.0 => d0,
-            Anchor::Peak => excess.max(0.5 * d0),
+            Anchor::Peak if ratio > 0.0 => d0 * ratio.max(0.5),
+            Anchor::Peak | Anchor::Distribution => d0,
         };
         let diffuse = step1.rho_d[n] / PI;
         let linear = Linear::new(rows, channel, diffuse, anchor, &smith, options.loss);
@@ -92,7 +93,7 @@ impl Step2 {
             f0,
             f1,
             anchor,
-            peak_missed,
+            peak_missed: ratio < 0.5 && !step1.is_flat(n),
             cost,
             rows: rows.len(),
             iterations,
@@ -104,10 +105,10 @@ impl Step2 {
         })
     }
 
-    /// The cost of given parameters in one channel, with the peak height D(0) of their own distribution.
-    pub(crate) fn cost_of(rows: &[Row], channel: usize, sgd: &Sgd, options: &FitOptions) -> f64 {
+    /// The cost of given parameters in one channel, with the peak height D(theta_h) of their own distribution.
+    pub(crate) fn cost_of(rows: &[Row], theta_h: f64, channel: usize, sgd: &Sgd, options: &FitOptions) -> f64 {
         let SgdParameters { rho_d, rho_s, f0, f1, .. } = *sgd.parameters();
-        let d0 = sgd.distribution().d_at(0.0);
+        let d0 = sgd.distribution().d_at(theta_h);
         let linear = Linear::new(rows, channel, rho_d / PI, d0, sgd.smith(), options.loss);
         linear.cost(&(Vector3::new(f0, f1, 1.0) * rho_s))
     }
@@ -117,11 +118,6 @@ impl Step2 {
         let cos = libm::cos(theta_d);
         let specular = Vector3::new(self.f0, self.f1, 1.0).dot(&basis(cos)) * self.rho_s;
         self.diffuse + transfer(self.anchor, smith, theta_d) * specular
-    }
-
-    /// Enters the standard errors into those of the channel.
-    pub(crate) fn enter_standard_errors(&self, errors: &mut StandardErrors) {
-        [errors.rho_s, errors.f0, errors.f1] = self.standard_errors;
     }
 }
 
@@ -228,10 +224,10 @@ impl Linear {
             }
         }
         let free = tangents.len();
-        if free == 0 || self.design.nrows() <= free {
+        if free == 0 || self.design.nrows() <= 3 {
             return [None; 3];
         }
-        let variance = 2.0 * cost / (self.design.nrows() - free) as f64;
+        let variance = 2.0 * cost / (self.design.nrows() - 3) as f64;
         let tangent = DMatrix::from_fn(3, free, |i, j| tangents[j][i]);
         let reduced = &self.design * &tangent;
         let Some(inverse) = (reduced.transpose() * &reduced).try_inverse() else { return [None; 3] };

@@ -1,6 +1,7 @@
 //! The model against vectors that mpmath computed from the printed definitions (`scripts/make_*.py`). Each test prints the
 //! largest error that it saw: those are the figures of docs/accuracy.md.
 
+use brdfit_brdf::direction;
 use brdfit_brdf::{
     Configuration, G1Curve, HalfDifference, Sgd, SgdParameters, ShiftedGamma, directional_albedo, ln_upper_gamma,
     upper_gamma,
@@ -129,6 +130,27 @@ fn values_and_derivatives() {
         slope_errors.map(|error| format!("{error:.1e}"))
     );
     assert!(value_error < 1e-10 && slope_errors.iter().all(|&error| error < 1e-9));
+}
+
+#[test]
+fn half_and_difference_angles() {
+    let fixture = fixture("index.json");
+    let vectors = fixture["directions"].as_array().unwrap();
+    assert!(vectors.len() >= 40);
+    let mut worst: f64 = 0.0;
+    for vector in vectors {
+        let at = |n: usize| vector[n].as_f64();
+        let polar = |n: usize| direction(at(n).unwrap(), at(n + 1).unwrap());
+        let angles = HalfDifference::from_directions(&polar(0), &polar(2));
+        let phi_d = at(6).map_or(0.0, |expected| libm::remainder(angles.phi_d - expected, std::f64::consts::TAU).abs());
+        // an angle is as well determined as the circle that it turns on is wide
+        let width = libm::sin(angles.theta_d);
+        worst = worst.max((angles.theta_h - at(4).unwrap()).abs());
+        worst = worst.max((angles.theta_d - at(5).unwrap()).abs());
+        worst = worst.max(phi_d * width);
+    }
+    println!("half and difference angles: {worst:.1e} rad");
+    assert!(worst < 1e-13);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use lzma_rust2::XzReader;
 /// Without it tests are skipped, loudly; where `CI=true` they fail.
 pub(crate) fn folder() -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = std::env::var_os("BRDFIT_DATA").map_or_else(|| root.join("../shared/data"), PathBuf::from);
+    let folder = std::env::var_os("BRDFIT_DATA").map_or_else(|| root.join("../shared/data"), |path| root.join(path));
     if folder.is_dir() {
         return Some(folder);
     }
