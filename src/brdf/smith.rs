@@ -107,16 +107,16 @@ impl SmithG1 {
 
     /// `mu Lambda` at `mu = cot theta > 0`; zero where `Lambda` is below 1e-19.
     pub fn mu_lambda(&self, mu: f64) -> f64 {
-        self.integrate(mu, |_, value, _, sums| sums[0] += value)[0]
+        self.integrate(mu, |_, _, value, _, sums| sums[0] += value)[0]
     }
 
     /// `mu Lambda` and its derivatives with respect to alpha and p at fixed `mu = cot theta > 0`.
     pub fn mu_lambda_with_slopes(&self, mu: f64) -> (f64, [f64; 2]) {
         let a0_slope = 1.0 - mu * mu / (self.alpha * self.alpha);
-        let sums = self.integrate(mu, |a, value, widening, sums| {
+        let sums = self.integrate(mu, |a, ln_a, value, widening, sums| {
             sums[0] += value;
             sums[1] += value / a;
-            sums[2] += value * a.ln();
+            sums[2] += value * ln_a;
             sums[3] += widening;
         });
         let m = sums[0];
@@ -126,9 +126,9 @@ impl SmithG1 {
         (m, [by_alpha, by_p])
     }
 
-    /// Runs the rule: hands `a = a0 + t`, the weighted integrand and the weighted `sigma s^2 / (1 + s^2)` (twice alpha times
+    /// Runs the rule: hands `a = a0 + t`, `ln a`, the weighted integrand and the weighted `sigma s^2 / (1 + s^2)` (twice alpha times
     /// the integrand's derivative through the width `sigma = sqrt(alpha t)`) of four nodes to `add`; returns the four sums.
-    fn integrate(&self, mu: f64, add: impl Fn(f64x4, f64x4, f64x4, &mut [f64x4; 4])) -> [f64; 4] {
+    fn integrate(&self, mu: f64, add: impl Fn(f64x4, f64x4, f64x4, f64x4, &mut [f64x4; 4])) -> [f64; 4] {
         let a0 = self.alpha + mu * mu / self.alpha;
         let exponent = self.ln_scale - a0;
         if exponent - self.p * libm::log(a0) < NEGLIGIBLE {
@@ -139,14 +139,15 @@ impl SmithG1 {
         let mut sums = [f64x4::splat(0.0); 4];
         for node in RULE.iter() {
             let a = node.t + a0;
-            let density = (minus_p * a.ln() + exponent).exp() * node.weight;
+            let ln_a = a.ln();
+            let density = (minus_p * ln_a + exponent).exp() * node.weight;
             let sigma = node.root * root_alpha;
             let s = sigma / mu4;
             let s2 = s * s;
             // s - arctan s by its series where the difference would cancel
             let series = s * s2 * (s2 * (s2 * (s2 * (-1.0 / 9.0) + 1.0 / 7.0) - 0.2) + 1.0 / 3.0);
             let g = s2.simd_lt(f64x4::splat(9e-4)).select(series, s - s.atan());
-            add(a, density * mu4 * g, density * sigma * (s2 / (s2 + 1.0)), &mut sums);
+            add(a, ln_a, density * mu4 * g, density * sigma * (s2 / (s2 + 1.0)), &mut sums);
         }
         sums.map(|sum| {
             let [a, b, c, d] = sum.to_array();

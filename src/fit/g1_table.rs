@@ -4,6 +4,7 @@ use crate::options::{ALPHA_RANGE, P_RANGE};
 use brdfit_brdf::{ShiftedGamma, SmithG1};
 use brdfit_merl::{Dimensions, SamplePosition};
 use std::sync::OnceLock;
+use wide::f64x4;
 
 /// Spacing of the nodes in `ln alpha` and in `p`.
 const STEP: [f64; 2] = [0.25, 0.2];
@@ -84,14 +85,16 @@ impl G1Table {
         stencil
     }
 
-    /// `(ln G1, [d/d ln alpha, d/dp])` at the sample angle of a theta_h bin.
-    pub(crate) fn ln_g1(&self, stencil: &Stencil, bin: usize) -> (f64, [f64; 2]) {
-        let (mut value, mut by_ln_alpha, mut by_p) = (0.0, 0.0, 0.0);
+    /// `(ln G1, [d/d ln alpha, d/dp])` at the sample angles of four theta_h bins.
+    pub(crate) fn ln_g1(&self, stencil: &Stencil, bins: [usize; 4]) -> (f64x4, [f64x4; 2]) {
+        let zero = f64x4::splat(0.0);
+        let (mut value, mut by_ln_alpha, mut by_p) = (zero, zero, zero);
         for n in 0..16 {
-            let node = self.values[stencil.offsets[n] + bin];
-            value += stencil.weights[n] * node;
-            by_ln_alpha += stencil.by_ln_alpha[n] * node;
-            by_p += stencil.by_p[n] * node;
+            let plane = &self.values[stencil.offsets[n]..stencil.offsets[n] + 90];
+            let node = f64x4::from(bins.map(|bin| plane[bin]));
+            value += node * stencil.weights[n];
+            by_ln_alpha += node * stencil.by_ln_alpha[n];
+            by_p += node * stencil.by_p[n];
         }
         (value, [by_ln_alpha, by_p])
     }
@@ -132,8 +135,8 @@ mod tests {
             let stencil = table.stencil(ln_alpha, p);
             for bin in 0..=82 {
                 let theta = Dimensions::HALF_TURN.theta_h_sample(bin, SamplePosition::Edge);
-                let (value, _) = table.ln_g1(&stencil, bin);
-                worst = worst.max((libm::exp(value) - smith.g1(theta)).abs());
+                let (value, _) = table.ln_g1(&stencil, [bin; 4]);
+                worst = worst.max((libm::exp(value.to_array()[3]) - smith.g1(theta)).abs());
             }
         }
         println!("largest error of the tabulated G1 up to 75 degrees: {worst:.1e}");
@@ -144,8 +147,9 @@ mod tests {
     fn slopes_are_those_of_the_interpolant() {
         let table = G1Table::of(SamplePosition::Centre);
         for (ln_alpha, p) in [(-7.3, 0.37), (-2.05, 1.61), (-0.02, 0.01), (-13.8, 1.99)] {
-            let value = |a: f64, b: f64| table.ln_g1(&table.stencil(a, b), 80).0;
-            let (_, [by_ln_alpha, by_p]) = table.ln_g1(&table.stencil(ln_alpha, p), 80);
+            let value = |a: f64, b: f64| table.ln_g1(&table.stencil(a, b), [80; 4]).0.to_array()[0];
+            let (_, slopes) = table.ln_g1(&table.stencil(ln_alpha, p), [80; 4]);
+            let [by_ln_alpha, by_p] = slopes.map(|slope| slope.to_array()[1]);
             let h = 1e-6;
             assert!((by_ln_alpha - (value(ln_alpha + h, p) - value(ln_alpha - h, p)) / (2.0 * h)).abs() < 1e-8);
             assert!((by_p - (value(ln_alpha, p + h) - value(ln_alpha, p - h)) / (2.0 * h)).abs() < 1e-8);

@@ -13,6 +13,7 @@ use brdfit_merl::Dimensions;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use wide::f64x4;
 
 /// Bounds of rho_d and of the peak height `Fr D(0)`.
 const DIFFUSE_RANGE: [f64; 2] = [1e-6, 10.0];
@@ -21,6 +22,8 @@ const PEAK_RANGE: [f64; 2] = [1e-6, 1e7];
 const START_FLOOR: f64 = 1e-5;
 /// A start whose search on the table ends at most this much above the best one is finished with the exact masking too.
 const CONTENDER: f64 = 1.02;
+/// Ends of searches that differ by less than this in every unknown are the same minimum.
+const REPEATED: f64 = 0.02;
 
 /// What step 1 found for the channels that share one distribution.
 #[derive(Clone, Debug)]
@@ -43,8 +46,9 @@ impl Step1 {
     /// Fits the given channels with one distribution.
     pub(crate) fn fit(rows: &[Row], channels: &[usize], options: &FitOptions) -> Result<Self, LmError> {
         let bounds = bounds(channels.len())?;
-        let lm_options = lm::Options { iteration_limit: options.max_iterations, ..lm::Options::default() };
-        let search_options = lm::Options { ftol: 1e-7, xtol: 1e-7, gtol: 1e-7, ..lm_options.clone() };
+        let lm_options =
+            lm::Options { ftol: 1e-12, xtol: 1e-12, iteration_limit: options.max_iterations, ..lm::Options::default() };
+        let search_options = lm::Options { ftol: 1e-6, xtol: 1e-5, gtol: 1e-7, ..lm_options.clone() };
         let problem = |sign, masking| Problem::new(rows, channels, options, sign, masking);
         let table = Masking::Table(G1Table::of(options.sample_position));
         let signs =
@@ -62,7 +66,7 @@ impl Step1 {
         let mut winner: Option<(Solution, usize, u64)> = None;
         let mut finished: Vec<(f64, &[f64])> = Vec::new();
         for (index, (found, &(sign, _))) in searched.iter().zip(&starts).enumerate() {
-            let same = |other: &[f64]| other.iter().zip(&found.parameters).all(|(a, b)| (a - b).abs() < 1e-4);
+            let same = |other: &[f64]| other.iter().zip(&found.parameters).all(|(a, b)| (a - b).abs() < REPEATED);
             if found.cost > CONTENDER * best || finished.iter().any(|&(other, at)| other == sign && same(at)) {
                 continue;
             }
@@ -162,6 +166,7 @@ enum Masking {
 #[derive(Clone)]
 struct Problem {
     rows: Vec<FixedRow>,
+    blocks: Vec<Block>,
     channels: Vec<usize>,
     loss: Loss,
     /// +1 for a lobe, -1 for a dip of the slice around theta_h = 0, which only a free Fresnel term can follow.
@@ -169,19 +174,48 @@ struct Problem {
     masking: Masking,
 }
 
-/// What does not change during the fit.
+/// A row with what does not change during the fit.
 #[derive(Clone)]
 struct FixedRow {
     bin: usize,
     theta: f64,
-    tan_square: f64,
     cos: f64,
-    /// `1 / cos^6`: of D's `1/cos^4` and of the masking's `1/cos^2`.
-    secant_sixth: f64,
     weight: f64,
     measured: [f64; 3],
     /// `T(m)` per channel.
     transformed: [f64; 3],
+}
+
+/// Four rows; the last block repeats its last row.
+#[derive(Clone)]
+struct Block {
+    bins: [usize; LANES],
+    thetas: [f64; LANES],
+    tan_square: f64x4,
+    cos: f64x4,
+    /// `1 / cos^6`: of D's `1/cos^4` and of the masking's `1/cos^2`.
+    secant_sixth: f64x4,
+    weight: f64x4,
+    transformed: [f64x4; 3],
+}
+
+const LANES: usize = 4;
+
+impl Block {
+    fn new(rows: &[FixedRow]) -> Self {
+        let lanes = |value: &dyn Fn(&FixedRow) -> f64| {
+            f64x4::from(std::array::from_fn(|lane| value(&rows[lane.min(rows.len() - 1)])))
+        };
+        Self {
+            bins: std::array::from_fn(|lane| rows[lane.min(rows.len() - 1)].bin),
+            thetas: lanes(&|row| row.theta).to_array(),
+            tan_square: lanes(&|row| libm::pow(libm::tan(row.theta), 2.0)),
+            cos: lanes(&|row| row.cos),
+            secant_sixth: lanes(&|row| libm::pow(row.cos, -6.0)),
+            weight: lanes(&|row| row.weight),
+            transformed: [0, 1, 2].map(|c: usize| lanes(&|row| row.transformed[c])),
+        }
+    }
 }
 
 impl Loss {
@@ -194,6 +228,22 @@ impl Loss {
                 (root, 0.5 * cos / root)
             }
             Self::L2 => (f, 1.0),
+        }
+    }
+
+    /// [`Self::transform`] of four rows; NaN where the logarithm does not exist.
+    fn transform_four(self, f: f64x4, cos: f64x4) -> (f64x4, f64x4) {
+        let product = f * cos;
+        match self {
+            Self::Log1pCos => {
+                let above = product.simd_gt(f64x4::splat(-1.0));
+                (above.select(product.ln_1p(), f64x4::splat(f64::NAN)), cos / (product + 1.0))
+            }
+            Self::SqrtCos => {
+                let root = product.sqrt();
+                (root, cos * 0.5 / root)
+            }
+            Self::L2 => (f, f64x4::splat(1.0)),
         }
     }
 
@@ -212,21 +262,19 @@ impl Problem {
         let rows = rows
             .iter()
             .map(|row| {
-                let (cos, tan) = (libm::cos(row.theta), libm::tan(row.theta));
-                let square = cos * cos;
+                let cos = libm::cos(row.theta);
                 FixedRow {
                     bin: row.bin,
                     theta: row.theta,
-                    tan_square: tan * tan,
                     cos,
-                    secant_sixth: 1.0 / (square * square * square),
                     weight: libm::pow(ring(Dimensions::HALF_TURN, row.bin), loss.weight_exponent()),
                     measured: row.measured,
                     transformed: row.measured.map(|m| loss.transform(m, cos).0),
                 }
             })
-            .collect();
-        Self { rows, channels: channels.to_vec(), loss, sign, masking }
+            .collect::<Vec<_>>();
+        let blocks = rows.chunks(LANES).map(Block::new).collect();
+        Self { rows, blocks, channels: channels.to_vec(), loss, sign, masking }
     }
 
     /// The unknowns at a start (alpha, p): the diffuse level from the 10 % quantile of the rows, the peak from the largest; for a
@@ -247,29 +295,31 @@ impl Problem {
         unknowns
     }
 
-    /// Per row the shape `D(theta_h)/D(0) G1^2 / cos^2` and the derivatives of its logarithm by ln alpha and p.
-    fn shapes(&self, ln_alpha: f64, p: f64) -> impl Iterator<Item = (&FixedRow, f64, [f64; 2])> {
+    /// Per block the shape `D(theta_h)/D(0) G1^2 / cos^2` and the derivatives of its logarithm by ln alpha and p.
+    fn shapes(&self, ln_alpha: f64, p: f64) -> impl Iterator<Item = (&Block, f64x4, [f64x4; 2])> {
         let alpha = libm::exp(ln_alpha);
         let stencil = match self.masking {
             Masking::Table(table) => Some((table, table.stencil(ln_alpha, p))),
             Masking::Exact => None,
         };
         let smith = ShiftedGamma::new(alpha, p).map(|distribution| SmithG1::new(&distribution));
-        self.rows.iter().map(move |row| {
+        self.blocks.iter().map(move |block| {
             let (ln_g1, g1_slopes) = match (&stencil, &smith) {
-                (Some((table, stencil)), _) => table.ln_g1(stencil, row.bin),
+                (Some((table, stencil)), _) => table.ln_g1(stencil, block.bins),
                 (None, Some(smith)) => {
-                    let (g1, [by_alpha, by_p]) = smith.g1_with_slopes(row.theta);
-                    (libm::log(g1), [alpha * by_alpha / g1, by_p / g1])
+                    let lanes = block.thetas.map(|theta| smith.g1_with_slopes(theta));
+                    let ln_g1 = f64x4::from(lanes.map(|(g1, _)| g1)).ln();
+                    let by_ln_alpha = f64x4::from(lanes.map(|(g1, [by_alpha, _])| alpha * by_alpha / g1));
+                    (ln_g1, [by_ln_alpha, f64x4::from(lanes.map(|(g1, [_, by_p])| by_p / g1))])
                 }
-                (None, None) => (f64::NAN, [f64::NAN; 2]),
+                (None, None) => (f64x4::splat(f64::NAN), [f64x4::splat(f64::NAN); 2]),
             };
             // D/D(0) cos^4 = e^(-b) (alpha / (alpha + b))^p, b = tan^2 / alpha
-            let b = row.tan_square / alpha;
-            let ln_ratio = -libm::log1p(b / alpha);
-            let shape = libm::exp(p * ln_ratio - b + 2.0 * ln_g1) * row.secant_sixth;
-            let by_ln_alpha = b + 2.0 * p * b / (alpha + b) + 2.0 * g1_slopes[0];
-            (row, shape, [by_ln_alpha, ln_ratio + 2.0 * g1_slopes[1]])
+            let b = block.tan_square * (1.0 / alpha);
+            let ln_ratio = -(b * (1.0 / alpha)).ln_1p();
+            let shape = (ln_ratio * p - b + ln_g1 * 2.0).exp() * block.secant_sixth;
+            let by_ln_alpha = b + b * (2.0 * p) / (b + alpha) + g1_slopes[0] * 2.0;
+            (block, shape, [by_ln_alpha, ln_ratio + g1_slopes[1] * 2.0])
         })
     }
 
@@ -279,21 +329,27 @@ impl Problem {
         if let Some(j) = jacobian.as_deref_mut() {
             j.fill(0.0);
         }
-        let mut index = 0;
-        for (row, shape, slopes) in self.shapes(x[2 * n], x[2 * n + 1]) {
+        for (index, (block, shape, slopes)) in self.shapes(x[2 * n], x[2 * n + 1]).enumerate() {
+            let lanes = LANES.min(self.rows.len() - LANES * index);
             for c in 0..n {
                 let [rho_d, peak] = levels[c];
-                let lobe = self.sign * peak * shape;
-                let (transformed, slope) = self.loss.transform((rho_d + lobe) / PI, row.cos);
-                r[index] = row.weight * (row.transformed[self.channels[c]] - transformed);
-                if let Some(j) = jacobian.as_deref_mut() {
-                    let outer = -row.weight * slope / PI;
-                    j[(index, 2 * c)] = outer * rho_d;
-                    j[(index, 2 * c + 1)] = outer * lobe;
-                    j[(index, 2 * n)] = outer * lobe * slopes[0];
-                    j[(index, 2 * n + 1)] = outer * lobe * slopes[1];
+                let lobe = shape * (self.sign * peak);
+                let (transformed, slope) = self.loss.transform_four((lobe + rho_d) * (1.0 / PI), block.cos);
+                let residual = (block.weight * (block.transformed[self.channels[c]] - transformed)).to_array();
+                for lane in 0..lanes {
+                    r[(LANES * index + lane) * n + c] = residual[lane];
                 }
-                index += 1;
+                if let Some(j) = jacobian.as_deref_mut() {
+                    let outer = -block.weight * slope * (1.0 / PI);
+                    let by_lobe = outer * lobe;
+                    let columns = [2 * c, 2 * c + 1, 2 * n, 2 * n + 1];
+                    let values = [outer * rho_d, by_lobe, by_lobe * slopes[0], by_lobe * slopes[1]];
+                    for (column, values) in columns.into_iter().zip(values.map(f64x4::to_array)) {
+                        for lane in 0..lanes {
+                            j[((LANES * index + lane) * n + c, column)] = values[lane];
+                        }
+                    }
+                }
             }
         }
     }

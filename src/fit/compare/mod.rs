@@ -115,7 +115,8 @@ pub struct ErrorsComparison {
 ///   [`Tolerances::two_sided`].
 /// - Step 2 takes rho_d and the distribution from step 1. Where the costs of step 1 differ, on whichever side, the two
 ///   programs solved different second problems, and only step 1 is judged.
-/// - Where both costs of the channel agree on either side, its curves and errors must agree.
+/// - Where both costs of the channel agree on either side, its curves and errors must agree. Where one program found its specular
+///   part negligible and dropped it after step 2 and the other kept it, the theta_d curve and the errors are not judged.
 ///
 /// # Errors
 /// [`CompareError::Incomparable`] if the fits belong to different files, sample positions, models or objectives.
@@ -140,6 +141,7 @@ fn compare_channel(a: &ComparableFit, b: &ComparableFit, channel: usize, t: &Tol
     let second = cost(1, same(&first));
     let judged = same(&first) && same(&second) && measured.verdict == Verdict::Agree;
     let costs = [first, second];
+    let same_parts = a.channels[channel].is_without_specular() == b.channels[channel].is_without_specular();
     let cutoff =
         |of: fn(&ComparableOptions) -> Option<f64>| of(&a.options).or(of(&b.options)).unwrap_or(DEFAULT_CUTOFF_DEGREES);
     let (x, y) = (&a.slices, &b.slices);
@@ -161,13 +163,14 @@ fn compare_channel(a: &ComparableFit, b: &ComparableFit, channel: usize, t: &Tol
                 reference: &y.fitted.theta_d[channel],
                 cutoff_degrees: cutoff(|options| options.cutoff_theta_d_degrees),
             },
-            judged,
+            judged && same_parts,
             t,
         ),
     ];
     let errors = a.errors.as_ref().zip(b.errors.as_ref()).map(|(x, y)| {
         let [e, l, c] = [(&x.E, &y.E), (&x.L, &y.L), (&x.C, &y.C)].map(|(x, y)| relative(x[channel], y[channel]));
         let worst = [e, l, c].into_iter().map(|difference| t.errors.judge(difference.abs())).max();
+        let judged = judged && same_parts;
         ErrorsComparison { e, l, c, judged, verdict: worst.filter(|_| judged).unwrap_or(Verdict::Agree) }
     });
     let verdict = [measured.verdict, costs[0].verdict, costs[1].verdict, curves[0].verdict, curves[1].verdict]
@@ -364,6 +367,19 @@ mod tests {
         assert_eq!(result.verdict, Verdict::Agree);
         assert!(!channel.curves[0].judged && !channel.errors.unwrap().judged);
         assert!(channel.curves[0].largest > 1.9);
+    }
+
+    #[test]
+    fn a_part_that_only_one_side_dropped_is_not_judged() {
+        let (mut ours, reference) = (fit(), fit());
+        ours.slices.fitted.theta_d[0] = vec![Some(1.0); 4];
+        ours.errors.as_mut().unwrap().E[0] = 9.0;
+        let judge = |ours: &ComparableFit| compare(ours, &reference, &Tolerances::default()).unwrap().verdict;
+        assert_eq!(judge(&ours), Verdict::Fail);
+        ours.channels[0].flags = vec!["no_specular".to_owned()];
+        assert_eq!(judge(&ours), Verdict::Agree);
+        ours.slices.fitted.theta_h[0] = vec![Some(1.0); 4];
+        assert_eq!(judge(&ours), Verdict::Fail, "step 1's curve is judged all the same");
     }
 
     #[test]

@@ -65,6 +65,16 @@ pub struct ComparableChannel {
     pub name: String,
     /// Step 1 (theta_h) and step 2 (theta_d).
     pub steps: Vec<ComparableStep>,
+    /// Names of the flags; only `no_specular` matters here.
+    #[serde(default)]
+    pub flags: Vec<String>,
+}
+
+impl ComparableChannel {
+    /// Whether a negligible specular part was dropped after step 2.
+    pub(super) fn is_without_specular(&self) -> bool {
+        self.flags.iter().any(|flag| flag == "no_specular")
+    }
 }
 
 /// See [`crate::document::StepReport`].

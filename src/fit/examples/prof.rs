@@ -19,6 +19,12 @@ fn main() {
     let t = cpu();
     let fits: Vec<_> = slices.iter().map(|s| fit_slices(s, &opt).unwrap()).collect();
     println!("fit/channel {:.3} ms", (cpu() - t) / n);
+    let o1 = FitOptions { starts: vec![[3e-3, 0.4]], ..Default::default() };
+    let t = cpu();
+    for s in &slices {
+        std::hint::black_box(fit_slices(s, &o1).unwrap());
+    }
+    println!("one start {:.3} ms", (cpu() - t) / n);
     let ps: Vec<_> = fits.iter().flat_map(|f| f.parameters()).collect();
     let t = cpu();
     let curves: Vec<_> = ps.iter().map(|p| G1Curve::new(Sgd::new(*p).unwrap().distribution())).collect();
