@@ -174,11 +174,11 @@ pub(crate) struct FitArgs {
     pub(crate) cutoff_theta_d: Option<f64>,
 
     /// A start of step 1, may be repeated; the best result wins
-    /// [default: 1e-4,0.4 3e-3,0.4 0.1,0.4 0.9,0.1]
+    /// [default: 1e-4,0.4 3e-3,0.4 0.1,0.4 0.9,0.1 1e-5,0.4]
     #[arg(long, value_name = "ALPHA,P", help_heading = SOLVER, value_parser = start, allow_hyphen_values = true)]
     pub(crate) start: Vec<[f64; 2]>,
 
-    /// Limit of iterations per start [default: 200]
+    /// Limit of iterations of each search and each finish [default: 200]
     #[arg(long, value_name = "N", help_heading = SOLVER)]
     pub(crate) max_iterations: Option<u64>,
 }
@@ -339,6 +339,17 @@ mod tests {
         assert_eq!(wish("fit --color never --wrong"), ColorChoice::Never);
         assert_eq!(wish("--color=always fit"), ColorChoice::Always);
         assert_eq!(wish("fit -- --color=always"), ColorChoice::Auto);
+    }
+
+    #[test]
+    fn the_help_names_the_default_starts() {
+        let command = Cli::command();
+        let fit = command.find_subcommand("fit").unwrap();
+        let help =
+            fit.get_arguments().find(|argument| argument.get_id() == "start").unwrap().get_help().unwrap().to_string();
+        let (_, listed) = help.trim_end_matches(']').split_once("[default: ").unwrap();
+        let listed: Vec<[f64; 2]> = listed.split_whitespace().map(|pair| start(pair).unwrap()).collect();
+        assert_eq!(listed, brdfit_fit::FitOptions::default().starts);
     }
 
     #[test]
