@@ -1,6 +1,8 @@
 //! `brdfit`: fits measured isotropic BRDFs. Arguments as typed (`args`) become a checked plan (`plan`), and each subcommand
 //! is one file. Only this crate knows colour, progress and exit codes.
 #![forbid(unsafe_code)]
+// doc comments of arguments are help text, where <name> is a name
+#![allow(rustdoc::invalid_html_tags)]
 
 mod args;
 mod batch;

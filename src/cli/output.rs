@@ -38,11 +38,11 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
     write_with(path, |out| out.write_all(bytes))
 }
 
-/// As [`write`], without waiting for the disk (milliseconds per file): after a power failure, though not after a crash of
+/// As [`write()`], without waiting for the disk (milliseconds per file): after a power failure, though not after a crash of
 /// the program, the file may be empty. For results that the next run checks.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub(crate) fn write_recoverable(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
     try_write(path, Wait::No, |out| out.write_all(bytes)).map_err(|error| Problem::writing(path, &error))
 }
@@ -54,10 +54,10 @@ enum Wait {
     No,
 }
 
-/// As [`write`], for what is made piece by piece. Calls of `out` are buffered.
+/// As [`write()`], for what is made piece by piece. Calls of `out` are buffered.
 ///
 /// # Errors
-/// As [`write`], or what `content` returns.
+/// As [`write()`], or what `content` returns.
 pub(crate) fn write_with(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Problem> {
     try_write(path, Wait::Yes, content).map_err(|error| Problem::writing(path, &error))
 }
@@ -203,7 +203,7 @@ pub(crate) fn folder(path: &Path) -> Result<(), Problem> {
 /// Writes to the file, or to standard output where there is none or where it is called `-`.
 ///
 /// # Errors
-/// As [`write`] and [`print`].
+/// As [`write()`] and [`print()`].
 pub(crate) fn deliver(path: Option<&Path>, bytes: &[u8]) -> Result<(), Problem> {
     match path {
         Some(path) if path != Path::new("-") => write(path, bytes),
