@@ -53,39 +53,35 @@ impl Step1 {
         let lm_options =
             lm::Options { ftol: 1e-12, xtol: 1e-12, iteration_limit: options.max_iterations, ..lm::Options::default() };
         let search_options = lm::Options { ftol: 1e-6, xtol: 1e-5, gtol: 1e-7, ..lm_options.clone() };
-        let problem = |sign, masking| Problem::new(rows, channels, options, sign, masking);
-        let table = Masking::Table(G1Table::of(options.sample_position));
-        let thinned = thinned(rows);
         let signs =
             if options.constraint == Constraint::Free && channels.len() == 1 { &[1.0, -1.0][..] } else { &[1.0] };
-        let starts: Vec<(f64, [f64; 2])> =
-            signs.iter().flat_map(|&sign| options.starts.iter().map(move |&start| (sign, start))).collect();
+        let exact: Vec<Problem> =
+            signs.iter().map(|&sign| Problem::new(rows, channels, options, sign, Masking::Exact)).collect();
+        let table = G1Table::of(options.sample_position);
+        let thinned: Vec<Problem> = exact.iter().map(|problem| problem.thinned(table)).collect();
+        let starts: Vec<(usize, [f64; 2])> =
+            (0..signs.len()).flat_map(|which| options.starts.iter().map(move |&start| (which, start))).collect();
         let searched: Vec<Solution> = starts
             .par_iter()
-            .map(|&(sign, start)| {
-                let start = problem(sign, table).start(start);
-                let mut search = Problem::new(&thinned, channels, options, sign, table);
-                search.thin();
-                lm::minimise(&search, &start, &bounds, &search_options)
-            })
+            .map(|&(which, start)| lm::minimise(&thinned[which], &exact[which].start(start), &bounds, &search_options))
             .collect::<Result<_, _>>()?;
         let best = searched.iter().map(|solution| solution.cost).fold(f64::INFINITY, f64::min);
         let mut winner: Option<(Solution, usize, u64)> = None;
-        let mut finished: Vec<(f64, &[f64])> = Vec::new();
-        for (index, (found, &(sign, _))) in searched.iter().zip(&starts).enumerate() {
+        let mut finished: Vec<(usize, &[f64])> = Vec::new();
+        for (index, (found, &(which, _))) in searched.iter().zip(&starts).enumerate() {
             let same = |other: &[f64]| other.iter().zip(&found.parameters).all(|(a, b)| (a - b).abs() < REPEATED);
-            if found.cost > CONTENDER * best || finished.iter().any(|&(other, at)| other == sign && same(at)) {
+            if found.cost > CONTENDER * best || finished.iter().any(|&(other, at)| other == which && same(at)) {
                 continue;
             }
-            finished.push((sign, &found.parameters));
-            let solution = lm::minimise(&problem(sign, Masking::Exact), &found.parameters, &bounds, &lm_options)?;
+            finished.push((which, &found.parameters));
+            let solution = lm::minimise(&exact[which], &found.parameters, &bounds, &lm_options)?;
             if winner.as_ref().is_none_or(|(other, ..)| solution.cost < other.cost) {
                 let iterations = found.iterations + solution.iterations;
                 winner = Some((solution, index, iterations));
             }
         }
         let (solution, start, iterations) = winner.expect("the best start is always a contender");
-        let sign = starts[start].0;
+        let sign = signs[starts[start].0];
         let n = channels.len();
         let value = |index: usize, range: [f64; 2]| match solution.active[index] {
             Some(Bound::Lower) => range[0],
@@ -138,11 +134,6 @@ impl Step1 {
         let ratio = smith.g1(theta_h) / libm::cos(theta_h);
         (self.rho_d[n] + self.fr(n) * self.distribution.d_at(theta_h) * ratio * ratio) / PI
     }
-}
-
-/// The rows that the search takes.
-fn thinned(rows: &[Row]) -> Vec<Row> {
-    rows.iter().copied().filter(|row| row.bin <= DENSE_BINS || row.bin % THINNING == 0).collect()
 }
 
 fn bounds(channels: usize) -> Result<Bounds, LmError> {
@@ -289,12 +280,18 @@ impl Problem {
         Self { rows, blocks, channels: channels.to_vec(), loss, sign, masking }
     }
 
-    /// Gives the rows of [`thinned`] their weight: the square of the residual's factor counts three times.
-    fn thin(&mut self) {
-        for row in self.rows.iter_mut().filter(|row| row.bin > DENSE_BINS) {
-            row.weight *= (THINNING as f64).sqrt();
-        }
-        self.blocks = self.rows.chunks(LANES).map(Block::new).collect();
+    /// The problem of the search: masking from the table, and of the rows beyond [`DENSE_BINS`] every third one, whose square counts
+    /// three times.
+    fn thinned(&self, table: &'static G1Table) -> Self {
+        let kept = self.rows.iter().filter(|row| row.bin <= DENSE_BINS || row.bin.is_multiple_of(THINNING));
+        let rows: Vec<FixedRow> = kept
+            .map(|row| {
+                let factor = if row.bin > DENSE_BINS { (THINNING as f64).sqrt() } else { 1.0 };
+                FixedRow { weight: row.weight * factor, ..row.clone() }
+            })
+            .collect();
+        let blocks = rows.chunks(LANES).map(Block::new).collect();
+        Self { rows, blocks, masking: Masking::Table(table), channels: self.channels.clone(), ..*self }
     }
 
     /// The unknowns at a start (alpha, p): the diffuse level from the 10 % quantile of the rows, the peak from the largest; for a
