@@ -1,6 +1,7 @@
 //! What every reflectance model offers: evaluation, sampling, density.
 
 use crate::direction::{Direction, direction};
+use crate::lobes::{Directions, Lobes, OneByOne};
 use std::f64::consts::{FRAC_1_PI, TAU};
 
 /// A bidirectional reflectance distribution function of three colour channels.
@@ -19,6 +20,12 @@ pub trait Brdf: Send + Sync {
     fn pdf(&self, i: &Direction, o: &Direction) -> f64 {
         let _ = i;
         o.z.max(0.0) * FRAC_1_PI
+    }
+
+    /// Makes the model ready to be evaluated towards a fixed set of directions for many incident ones, in single precision.
+    /// Models for which that pays compute here what depends on `o` alone.
+    fn lobes<'a>(&'a self, o: &'a Directions) -> Box<dyn Lobes + 'a> {
+        Box::new(OneByOne { brdf: self, o })
     }
 }
 

@@ -45,9 +45,14 @@ impl G1Curve {
         libm::log(cos_theta / sin_theta) * (1.0 / STEP) + OFFSET
     }
 
+    /// [`Self::position`] from `log2(cot theta)`.
+    pub(crate) fn position_from_log2(log2_cot: f64) -> f64 {
+        log2_cot * (std::f64::consts::LN_2 / STEP) + OFFSET
+    }
+
     /// `mu Lambda` at a position, with `mu = cos theta / sin theta`.
     #[inline]
-    fn mu_lambda(&self, position: f64, cos_theta: f64, sin_theta: f64) -> f64 {
+    pub(crate) fn mu_lambda(&self, position: f64, cos_theta: f64, sin_theta: f64) -> f64 {
         let cell = position as i32;
         let interval = cell - self.first;
         if interval < 0 {

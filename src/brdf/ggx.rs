@@ -30,6 +30,12 @@ impl Ggx {
         self.alpha_square / (PI * base * base)
     }
 
+    /// `D` in 1/sr at `tan^2 theta_h`: keeps full relative precision for small angles, where a cosine has lost it.
+    pub fn d_at_tan_square(&self, tan_square: f64) -> f64 {
+        let base = (1.0 + tan_square) / (self.alpha_square + tan_square);
+        self.alpha_square * base * base / PI
+    }
+
     /// A normal with density `D cos theta_h` from two numbers in [0, 1).
     pub fn sample(&self, u: [f64; 2]) -> Direction {
         let tan = (self.alpha_square * u[1] / (1.0 - u[1])).sqrt();
@@ -49,6 +55,7 @@ mod tests {
             let m = ggx.sample([0.3, u]);
             let tan_square = (1.0 - m.z * m.z) / (m.z * m.z);
             assert!((tan_square / (0.04 + tan_square) - u).abs() < 1e-12);
+            assert!((ggx.d_at_tan_square(tan_square) / ggx.d(m.z) - 1.0).abs() < 1e-12);
         }
     }
 }

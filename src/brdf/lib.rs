@@ -13,9 +13,15 @@ mod g1_closed_form;
 mod g1_curve;
 mod gamma;
 mod ggx;
+mod ggx_brdf;
+mod lobes;
+mod log_exp;
 mod material;
+#[cfg(feature = "serde")]
+mod material_document;
 mod render;
 mod sgd;
+mod sgd_lobes;
 mod shifted_gamma;
 mod smith;
 
@@ -26,7 +32,11 @@ pub use g1_closed_form::G1ClosedForm;
 pub use g1_curve::G1Curve;
 pub use gamma::{ln_upper_gamma, upper_gamma};
 pub use ggx::Ggx;
+pub use ggx_brdf::GgxBrdf;
+pub use lobes::{Directions, Lobes};
 pub use material::SgdMaterial;
+#[cfg(feature = "serde")]
+pub use material_document::{MaterialChannel, MaterialDocument, MaterialError};
 pub use render::RenderSgd;
 pub use sgd::{Configuration, ParameterError, Sgd, SgdParameters, directional_albedo};
 pub use shifted_gamma::ShiftedGamma;

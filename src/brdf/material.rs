@@ -1,10 +1,12 @@
-//! A material of three SGD channels: evaluation, importance sampling, and its part of the JSON documents.
+//! A material of three SGD channels: evaluation and importance sampling.
 
 use crate::brdf::{Brdf, cosine_sample};
 use crate::direction::{Direction, HalfDifference, reflect};
 use crate::g1_curve::G1Curve;
 use crate::ggx::Ggx;
+use crate::lobes::{Directions, Lobes};
 use crate::sgd::{ParameterError, Sgd, SgdParameters, directional_albedo, sine};
+use crate::sgd_lobes::SgdLobes;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Three SGD channels (R, G, B), evaluated with Smith's masking from a tabulated curve (5e-8 relative), sampled through GGX.
@@ -111,6 +113,10 @@ impl Brdf for SgdMaterial {
             self.channels.iter().zip(self.specular).map(|(channel, share)| share * channel.proxy.d(h.z)).sum();
         let cosine = (1.0 - self.specular.iter().sum::<f64>()).max(0.0);
         lobes * jacobian + cosine * o.z * FRAC_1_PI
+    }
+
+    fn lobes<'a>(&'a self, o: &'a Directions) -> Box<dyn Lobes + 'a> {
+        Box::new(SgdLobes::new(self.channels.each_ref().map(|channel| (&channel.sgd, &channel.curve)), o))
     }
 }
 
