@@ -3,7 +3,7 @@
 //! A MERL file holds three planes (R, G, B) of 90 x 90 x 180 or 90 x 90 x 360 values over the angles theta_h, theta_d
 //! and phi_d. [`MerlFile::open`] maps it into memory and checks the container; nothing else is read until it is asked
 //! for. [`MerlFile::slices`] reads the two slices that a fit needs; [`MerlFile::scan`] reads everything once (hash,
-//! validity, counts); [`Grid`] and [`AlbedoPlan`] hold the geometry that files of the same shape share.
+//! validity, counts); [`MeasuredBrdf`] is the material that it describes; [`Grid`] and [`AlbedoPlan`] hold the geometry that files of the same shape share.
 //!
 //! Values are linear BRDF values in 1/sr of unknown primaries: no gamma, no colour management. Angles are in radians.
 //!
@@ -21,10 +21,12 @@ mod albedo;
 mod dimensions;
 mod error;
 mod file;
+mod fill;
 mod grid;
 mod header;
 mod health;
 mod mask;
+mod measured;
 mod position;
 mod samples;
 mod scan;
@@ -38,6 +40,7 @@ pub use file::MerlFile;
 pub use grid::{Grid, PANEL_ANGLE, Row};
 pub use health::{AlbedoHealth, Angles, ChannelHealth, Health, HealthCheck, Region, Regions};
 pub use mask::CellMask;
+pub use measured::MeasuredBrdf;
 pub use position::SamplePosition;
 pub use samples::MIN_COSINE;
 pub use scan::{ChannelScan, Scan, Tally};
