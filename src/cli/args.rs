@@ -1,5 +1,8 @@
 //! The command line as it is typed. What it means is decided by `plan` and by the subcommands.
 
+mod atlas;
+mod fit;
+
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -9,8 +12,10 @@ use clap_complete::Shell;
 use crate::compare::{self, CompareArgs};
 use crate::demo::{self, DemoArgs};
 use crate::synth;
-use crate::words::{AnchorArg, ConstraintArg, LossArg, PositionArg, SolverArg};
 pub(crate) use crate::words::{Format, SchemaName};
+use crate::words::{LanguageArg, PositionArg};
+pub(crate) use atlas::AtlasArgs;
+pub(crate) use fit::FitArgs;
 
 /// Fit measured isotropic BRDFs (MERL format) with the SGD microfacet model.
 #[derive(Debug, Parser)]
@@ -40,6 +45,9 @@ pub(crate) struct Cli {
 
 /// Heading of the options that every subcommand takes.
 const GLOBAL: &str = "Everywhere";
+/// Headings that commands with many inputs share.
+const OUTPUT: &str = "Output";
+const BATCH: &str = "Batch";
 
 const AFTER_HELP: &str = "\
 Exit codes:
@@ -56,6 +64,7 @@ Examples:
   brdfit demo -o out                 fit an embedded material, draw its slices
   brdfit fit brdfs -o fits           fit every .binary file in the folder brdfs
   brdfit info brdfs/*.binary         look at files before trusting them
+  brdfit atlas fits -o atlases       the bandwidth of each lobe, for a GPU
   brdfit synth fits/x.json -o x.binary
                                      turn a fit back into a MERL file
 `brdfit COMMAND --help` has the options and examples of each command.";
@@ -63,8 +72,14 @@ Examples:
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Fit MERL files: one JSON document per material and a summary
-    #[command(after_help = FIT_EXAMPLES)]
+    #[command(after_help = fit::EXAMPLES)]
     Fit(Box<FitArgs>),
+    /// Precompute the angular bandwidth of every lobe, as a texture
+    #[command(after_help = atlas::examples())]
+    Atlas(Box<AtlasArgs>),
+    /// Print the functions that sample an atlas, for a shader
+    #[command(after_help = EXPORT_EXAMPLES)]
+    Export(ExportArgs),
     /// Show the state of MERL files: validity, range, albedo, hash
     #[command(after_help = INFO_EXAMPLES)]
     Info(InfoArgs),
@@ -80,7 +95,7 @@ pub(crate) enum Command {
     /// Print the JSON Schema of a document
     #[command(after_help = SCHEMA_EXAMPLES)]
     Schema(SchemaArgs),
-    /// Synthesise, fit and draw an embedded material
+    /// Try everything on an embedded material: fit, picture, atlas
     #[command(after_help = demo::EXAMPLES)]
     Demo(DemoArgs),
     /// Print a completion script for a shell
@@ -91,112 +106,23 @@ pub(crate) enum Command {
     Man(ManArgs),
 }
 
-/// Options of `brdfit fit`. Whatever is left out keeps the value of the preset.
+/// Options of `brdfit export`.
 #[derive(Debug, Args)]
-pub(crate) struct FitArgs {
-    /// MERL files, folders (every .binary file in them), or @LIST: a text
-    /// file with one of these per line, relative to its own folder; empty
-    /// lines and lines that start with # are skipped; @- reads it from
-    /// standard input
-    #[arg(value_name = "INPUT", required = true)]
-    pub(crate) inputs: Vec<PathBuf>,
+pub(crate) struct ExportArgs {
+    /// The shading language
+    #[arg(value_name = "LANGUAGE")]
+    pub(crate) language: LanguageArg,
 
-    /// Look for .binary files in the folders inside of folders too
-    #[arg(long)]
-    pub(crate) recursive: bool,
-
-    /// Folder for <name>.json, summary.json and summary.csv; without it, the
-    /// document of a single input goes to standard output
-    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
+    /// The file to write [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
-
-    /// Leave out the errors over the whole grid
-    #[arg(long, help_heading = OUTPUT)]
-    pub(crate) no_panel: bool,
-
-    /// Read only the two slices: no hash, no look at the other cells, no
-    /// errors over the whole grid
-    #[arg(long, help_heading = OUTPUT, conflicts_with = "resume")]
-    pub(crate) no_hash: bool,
-
-    /// Draw both slices, measured and fitted, to <name>.svg
-    #[arg(long, help_heading = OUTPUT, requires = "output")]
-    pub(crate) picture: bool,
-
-    /// Skip materials whose document is there, made by this version with the
-    /// same options from a file with the same hash
-    #[arg(long, help_heading = BATCH, requires = "output")]
-    pub(crate) resume: bool,
-
-    /// Fit every N-th input only, starting with the I-th (from 1); `brdfit
-    /// merge` joins the summaries
-    #[arg(long, value_name = "I/N", help_heading = BATCH, requires = "output")]
-    pub(crate) shard: Option<String>,
-
-    /// Take NaN and infinite values for cells without a measurement instead
-    /// of refusing the file
-    #[arg(long, help_heading = BATCH)]
-    pub(crate) accept_non_finite: bool,
-
-    /// Where in its cell a sample lies [default: edge]
-    #[arg(long, value_name = "WHERE", help_heading = MODEL)]
-    pub(crate) sample_position: Option<PositionArg>,
-
-    /// What both steps minimise [default: log1p-cos]
-    #[arg(long, value_name = "LOSS", help_heading = MODEL)]
-    pub(crate) loss: Option<LossArg>,
-
-    /// What the Fresnel term must satisfy [default: physical, 0 <= F <= 1];
-    /// paper is the preset of the published procedure: loss l2, constraint
-    /// free, analytic anchor, solver lm, theta_d up to 70 degrees
-    #[arg(long, value_name = "WHAT", help_heading = MODEL)]
-    pub(crate) constraint: Option<ConstraintArg>,
-
-    /// One distribution (alpha, p) for R, G and B instead of three
-    #[arg(long, help_heading = MODEL)]
-    pub(crate) joint: bool,
-
-    /// Height of the peak in step 2: as measured or as fitted by step 1
-    /// [default: peak]
-    #[arg(long, value_name = "WHAT", help_heading = MODEL)]
-    pub(crate) anchor: Option<AnchorArg>,
-
-    /// How step 2 is solved [default: convex]
-    #[arg(long, value_name = "HOW", help_heading = SOLVER)]
-    pub(crate) step2_solver: Option<SolverArg>,
-
-    /// Largest theta_h in step 1, degrees [default: 75]
-    #[arg(long, value_name = "DEG", help_heading = SOLVER, allow_negative_numbers = true)]
-    pub(crate) cutoff_theta_h: Option<f64>,
-
-    /// Largest theta_d in step 2, degrees [default: 75]
-    #[arg(long, value_name = "DEG", help_heading = SOLVER, allow_negative_numbers = true)]
-    pub(crate) cutoff_theta_d: Option<f64>,
-
-    /// A start of step 1, may be repeated; the best result wins
-    /// [default: 1e-4,0.4 3e-3,0.4 0.1,0.4 0.9,0.1 1e-5,0.4]
-    #[arg(long, value_name = "ALPHA,P", help_heading = SOLVER, value_parser = start, allow_hyphen_values = true)]
-    pub(crate) start: Vec<[f64; 2]>,
-
-    /// Limit of iterations of each search and each finish [default: 200]
-    #[arg(long, value_name = "N", help_heading = SOLVER)]
-    pub(crate) max_iterations: Option<u64>,
 }
 
-const OUTPUT: &str = "Output";
-const BATCH: &str = "Batch";
-const MODEL: &str = "Model";
-const SOLVER: &str = "Solver";
-
-const FIT_EXAMPLES: &str = "\
+const EXPORT_EXAMPLES: &str = "\
 Examples:
-  brdfit fit brdfs -o fits                     a folder, one JSON each
-  brdfit fit brdfs -o fits --resume            go on where a run was stopped
-  brdfit fit gold.binary --picture -o fits     one file, with a picture
-  brdfit fit gold.binary | jq .channels[0]     one file, to standard output
-  brdfit fit @todo.txt -o fits --shard 2/8     the second of eight parts
-  brdfit fit brdfs -o fits --constraint paper  the published procedure
-A bad file is reported, recorded in the summary, and the rest is fitted.";
+  brdfit export wgsl -o bandwidth_atlas.wgsl
+  cat <(brdfit export glsl) shade.frag > whole.frag
+The comment at the head of the text says how to bind the texture.";
 
 /// Options of `brdfit info`.
 #[derive(Debug, Args)]
@@ -314,14 +240,6 @@ pub(crate) fn color_of(arguments: impl Iterator<Item = OsString>) -> ColorChoice
     wish
 }
 
-/// Reads `ALPHA,P`.
-fn start(text: &str) -> Result<[f64; 2], String> {
-    let wrong = || "a start is two numbers, for instance 1e-3,0.4".to_owned();
-    let (alpha, p) = text.split_once(',').ok_or_else(wrong)?;
-    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| wrong());
-    Ok([number(alpha)?, number(p)?])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -339,24 +257,5 @@ mod tests {
         assert_eq!(wish("fit --color never --wrong"), ColorChoice::Never);
         assert_eq!(wish("--color=always fit"), ColorChoice::Always);
         assert_eq!(wish("fit -- --color=always"), ColorChoice::Auto);
-    }
-
-    #[test]
-    fn the_help_names_the_default_starts() {
-        let command = Cli::command();
-        let fit = command.find_subcommand("fit").unwrap();
-        let help =
-            fit.get_arguments().find(|argument| argument.get_id() == "start").unwrap().get_help().unwrap().to_string();
-        let (_, listed) = help.trim_end_matches(']').split_once("[default: ").unwrap();
-        let listed: Vec<[f64; 2]> = listed.split_whitespace().map(|pair| start(pair).unwrap()).collect();
-        assert_eq!(listed, brdfit_fit::FitOptions::default().starts);
-    }
-
-    #[test]
-    fn a_start_is_two_numbers() {
-        assert_eq!(start("1e-3, 0.4").unwrap(), [1e-3, 0.4]);
-        for bad in ["", "1", "1;2", "a,b", "1,2,3", ","] {
-            assert!(start(bad).is_err(), "{bad}");
-        }
     }
 }

@@ -1,8 +1,10 @@
-//! `brdfit demo`: an embedded material becomes a MERL file, the file becomes a fit, and both are shown side by side.
+//! `brdfit demo`: an embedded material becomes a MERL file, the file becomes a fit, both are shown side by side, and the
+//! material becomes a bandwidth atlas.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use brdfit_bandwidth::sidecar::FileContent;
 use brdfit_brdf::SgdParameters;
 use brdfit_fit::document::{CHANNELS, FitDocument};
 use brdfit_fit::{FitOptions, synthesise};
@@ -10,12 +12,14 @@ use brdfit_merl::{Dimensions, write_merl};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
+use crate::atlas_files::{AtlasJob, AtlasMaker, Sidecar, file_name};
 use crate::console::{Console, Tone};
 use crate::documents;
 use crate::embedded::{self, Embedded};
 use crate::fit;
-use crate::inputs::InputFile;
+use crate::inputs::{InputFile, Wanted};
 use crate::material::Job;
+use crate::material_input::{Origin, sgd};
 use crate::outcome::{Outcome, Problem};
 use crate::output;
 use crate::plan::{FitPlan, Target};
@@ -24,7 +28,8 @@ use crate::table::{Align, Table};
 /// Options of `brdfit demo`.
 #[derive(Debug, Args)]
 pub(crate) struct DemoArgs {
-    /// Folder for the MERL file, the fit, the summary and the picture
+    /// Folder for the MERL file, the fit, the summary, the picture and the
+    /// atlas
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
 
@@ -38,7 +43,7 @@ pub(crate) const EXAMPLES: &str = "\
 Examples:
   brdfit demo -o out
   brdfit demo -o out --material polished-metal
-Then look at out/<name>.svg. The parameters of the materials are invented.";
+Then look at out/<name>.svg and .atlas.png. The parameters of the materials are invented.";
 
 pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome> {
     let material = embedded::material(&args.material)
@@ -51,24 +56,28 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome>
     make(material, &options, &files.binary)?;
     let made = start.elapsed();
     let plan = FitPlan {
-        inputs: vec![InputFile::new(files.binary.clone())?],
+        inputs: vec![InputFile::new(files.binary.clone(), Wanted::Measured)?],
         target: Target::Folder(args.output.clone()),
         job: Job { options, scan: true, panel: true, accept_non_finite: false },
         resume: false,
         picture: true,
+        atlas: false,
         shard: None,
     };
     let outcome = fit::fill(&args.output, &plan, console)?;
-    let total = start.elapsed();
+    let fitted = start.elapsed();
     if outcome != Outcome::Done {
         return Ok(outcome);
     }
+    let atlas = make_atlas(material, &args.output)?;
+    let total = start.elapsed();
     let document: FitDocument = documents::read(&files.json, "a fit result")?;
-    output::print(&report(material, &document, &files, console))?;
+    output::print(&report(material, &document, &atlas, &files, console))?;
     console.note(&format!(
-        "{:.2} s to make the file, {:.2} s to fit it and to write the results",
+        "{:.2} s to make the file, {:.2} s to fit it, {:.2} s for the atlas, each with writing",
         made.as_secs_f64(),
-        (total - made).as_secs_f64()
+        (fitted - made).as_secs_f64(),
+        (total - fitted).as_secs_f64()
     ));
     Ok(outcome)
 }
@@ -85,11 +94,21 @@ fn make(material: &Embedded, options: &FitOptions, path: &Path) -> Result<(), Pr
     })
 }
 
+/// Makes the atlas of a material and its preview.
+fn make_atlas(material: &Embedded, folder: &Path) -> Result<Sidecar, Problem> {
+    let mut job = AtlasJob::default();
+    job.files.push(FileContent::PngPreview);
+    let origin = Origin::fit(material.name, None);
+    AtlasMaker::new(job).make(&sgd(material.parameters, material.name)?, origin, material.name)?.write(folder)
+}
+
 /// What the demo leaves behind.
 struct Files {
     binary: PathBuf,
     json: PathBuf,
     picture: PathBuf,
+    atlas: PathBuf,
+    preview: PathBuf,
     summaries: [PathBuf; 2],
 }
 
@@ -100,13 +119,15 @@ impl Files {
             binary: file("binary"),
             json: file("json"),
             picture: file("svg"),
+            atlas: folder.join(file_name(name, "ktx2")),
+            preview: folder.join(file_name(name, "png")),
             summaries: ["summary.json", "summary.csv"].map(|name| folder.join(name)),
         }
     }
 }
 
 /// What is printed: the parameters before and after, the errors, the files, what to do next.
-fn report(material: &Embedded, document: &FitDocument, files: &Files, console: &Console) -> String {
+fn report(material: &Embedded, document: &FitDocument, atlas: &Sidecar, files: &Files, console: &Console) -> String {
     let strong = |text: &str| console.paint(Tone::Strong, text);
     let list = |entries: &[(&Path, &str)]| {
         let width = entries.iter().map(|(path, _)| path.display().to_string().chars().count()).max().unwrap_or(0);
@@ -120,6 +141,8 @@ fn report(material: &Embedded, document: &FitDocument, files: &Files, console: &
     let [summary, csv] = &files.summaries;
     let left = list(&[
         (&files.picture, "both slices, measured and fitted: open it in a browser"),
+        (&files.preview, "the bandwidth of each lobe: look at it"),
+        (&files.atlas, "the same as a texture, beside .exr and .json"),
         (&files.json, "the fit: parameters, errors, curves, how it went"),
         (summary, "the summary of the batch"),
         (csv, "the same as a table"),
@@ -127,11 +150,12 @@ fn report(material: &Embedded, document: &FitDocument, files: &Files, console: &
     ]);
     format!(
         "{}: {}\n\n{}\nParameters differ by at most {:.0e} of their value. E, L, C: cosine-weighted, logarithmic and\ncube root error \
-         over the whole grid (docs/theory.md, section 6).\n\n{}\n{left}\n{}\n  brdfit fit YOUR_FOLDER -o fits\n  brdfit info YOUR_FILE.binary\n  brdfit fit --help\n",
+         over the whole grid (docs/theory.md, section 6). The local bandwidth of\nits lobes reaches {:.1} cycles per radian.\n\n{}\n{left}\n{}\n  brdfit fit YOUR_FOLDER -o fits\n  brdfit atlas fits -o atlases\n  brdfit info YOUR_FILE.binary\n  brdfit fit --help\n",
         strong(material.name),
         material.description,
         parameters(material, document, console),
         largest_difference(material, document),
+        atlas.atlas.range[1],
         strong("Files"),
         strong("Next"),
     )

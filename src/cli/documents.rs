@@ -1,11 +1,14 @@
 //! Reads documents back, with messages for files that are something else.
 
+use std::fmt::Display;
 use std::fs;
 use std::path::Path;
 
+use brdfit_brdf::{MaterialDocument, MaterialError};
 use brdfit_fit::document::SCHEMA_VERSION;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use sha2::{Digest, Sha256};
 
 use crate::outcome::Problem;
 
@@ -18,34 +21,96 @@ struct Version {
     schema_version: Option<u32>,
 }
 
-/// Reads a JSON document; `what` is what it should be, with an article ("a fit result").
+/// A file with a JSON document.
+#[derive(Debug)]
+pub(crate) struct Document<'a> {
+    path: &'a Path,
+    /// What it should be, with an article ("a fit result").
+    what: &'a str,
+    bytes: Vec<u8>,
+}
+
+/// Reads a JSON document: [`Document::open`] and [`Document::decode`].
 ///
 /// # Errors
-/// A file that cannot be read (exit code 2), is no JSON, lacks something, or was written by a later version (exit code 3).
+/// As theirs.
 pub(crate) fn read<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, Problem> {
-    let size = fs::metadata(path).map_err(|error| Problem::reading(path, &error))?.len();
-    let refuse = |why: String| Problem::invalid(format!("{}: {why}", path.display()));
-    if size > MAX_BYTES {
-        return Err(refuse(format!("has {size} bytes, too many for {what}; check that it is the right file")));
+    Document::open(path, what)?.decode()
+}
+
+/// SHA-256, lower-case hexadecimal.
+pub(crate) fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+impl<'a> Document<'a> {
+    /// Reads a file; `what` is what it should be, with an article.
+    ///
+    /// # Errors
+    /// A file that cannot be read (exit code 2), is empty or too large (exit code 3).
+    pub(crate) fn open(path: &'a Path, what: &'a str) -> Result<Self, Problem> {
+        let size = fs::metadata(path).map_err(|error| Problem::reading(path, &error))?.len();
+        let document = Self { path, what, bytes: Vec::new() };
+        if size > MAX_BYTES {
+            let why = format!("has {size} bytes, too many for {what}; check that it is the right file");
+            return Err(document.refuse(&why));
+        }
+        let bytes = fs::read(path).map_err(|error| Problem::reading(path, &error))?;
+        if bytes.is_empty() {
+            return Err(document.refuse(&format!("the file is empty (0 bytes), not {what}; make it again")));
+        }
+        Ok(Self { bytes, ..document })
     }
-    let bytes = fs::read(path).map_err(|error| Problem::reading(path, &error))?;
-    if bytes.is_empty() {
-        return Err(refuse(format!("the file is empty (0 bytes), not {what}; make it again")));
+
+    /// The whole or, as other members are skipped, a part of it.
+    ///
+    /// # Errors
+    /// A document that is no JSON, lacks something, or was written by a later version (exit code 3).
+    pub(crate) fn decode<T: DeserializeOwned>(&self) -> Result<T, Problem> {
+        if let Ok(Version { schema_version: Some(version) }) = serde_json::from_slice(&self.bytes)
+            && version > SCHEMA_VERSION
+        {
+            return Err(self.later(&format!("has schema version {version}, this program knows {SCHEMA_VERSION}")));
+        }
+        serde_json::from_slice(&self.bytes).map_err(|error| match error.classify() {
+            serde_json::error::Category::Data => self.another(&error),
+            _ => self.no_json(&error),
+        })
     }
-    if let Ok(Version { schema_version: Some(version) }) = serde_json::from_slice(&bytes)
-        && version > SCHEMA_VERSION
-    {
-        return Err(refuse(format!(
-            "has schema version {version}, this program knows {SCHEMA_VERSION}; use a later brdfit"
-        )));
+
+    /// The material part.
+    ///
+    /// # Errors
+    /// As [`Self::decode`], and parameters outside of the model's domain (exit code 3); messages name the member by its path.
+    pub(crate) fn material(&self) -> Result<MaterialDocument, Problem> {
+        MaterialDocument::read(&self.bytes).map_err(|error| match error {
+            MaterialError::Json(error) => self.no_json(&error),
+            MaterialError::Version { .. } => self.later(&error),
+            MaterialError::Member { .. } => self.another(&error),
+            MaterialError::Parameter { .. } => self.refuse(&format!("{error}; correct the parameter")),
+        })
     }
-    serde_json::from_slice(&bytes).map_err(|error| {
-        let why = match error.classify() {
-            serde_json::error::Category::Data => "is not",
-            _ => "is not JSON and so not",
-        };
-        refuse(format!("{why} {what} ({error}); check that it is the right file"))
-    })
+
+    /// SHA-256 of the whole file, lower-case hexadecimal.
+    pub(crate) fn sha256(&self) -> String {
+        sha256(&self.bytes)
+    }
+
+    fn refuse(&self, why: &str) -> Problem {
+        Problem::invalid(format!("{}: {why}", self.path.display()))
+    }
+
+    fn no_json(&self, error: &serde_json::Error) -> Problem {
+        self.refuse(&format!("is not JSON and so not {} ({error}); check that it is the right file", self.what))
+    }
+
+    fn another(&self, error: &dyn Display) -> Problem {
+        self.refuse(&format!("is not {} ({error}); check that it is the right file", self.what))
+    }
+
+    fn later(&self, why: &dyn Display) -> Problem {
+        self.refuse(&format!("{why}; use a later brdfit"))
+    }
 }
 
 #[cfg(test)]

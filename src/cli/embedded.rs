@@ -3,7 +3,11 @@
 //! All parameters were invented for this purpose; they describe no measured sample. Each material stands for one way in
 //! which a fit can be hard.
 
+use std::path::Path;
+
 use brdfit_brdf::SgdParameters;
+
+use crate::outcome::Problem;
 
 /// An embedded material.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +79,38 @@ pub(crate) fn material(name: &str) -> Option<&'static Embedded> {
     MATERIALS.iter().find(|material| material.name == name)
 }
 
+/// The material that was typed, or nothing for a file: an existing one, or what looks like the name of one.
+///
+/// # Errors
+/// A word that is neither.
+pub(crate) fn find(typed: &Path) -> Result<Option<&'static Embedded>, Problem> {
+    if typed.exists() {
+        return Ok(None);
+    }
+    let name = typed.to_string_lossy();
+    let found = material(&name);
+    if found.is_some() || typed.extension().is_some() || typed.components().count() > 1 {
+        return Ok(found);
+    }
+    let guess = match names().min_by_key(|candidate| distance(&name, candidate)) {
+        Some(candidate) if distance(&name, candidate) <= candidate.chars().count() / 2 => {
+            format!("did you mean {candidate}? ")
+        }
+        _ => String::new(),
+    };
+    let all: Vec<&str> = names().collect();
+    Err(Problem::usage(format!(
+        "{name}: neither a file nor an embedded material; {guess}embedded are {}",
+        all.join(", ")
+    )))
+}
+
+/// The names, one per line, for the help.
+pub(crate) fn list() -> String {
+    let names: Vec<String> = names().map(|name| format!("  {name}")).collect();
+    format!("Embedded materials:\n{}", names.join("\n"))
+}
+
 /// The material that the demo takes.
 pub(crate) fn default_material() -> &'static Embedded {
     &MATERIALS[0]
@@ -83,6 +119,22 @@ pub(crate) fn default_material() -> &'static Embedded {
 /// Their names.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     MATERIALS.iter().map(|material| material.name)
+}
+
+/// Levenshtein's distance: insertions, deletions and replacements of one character between two words.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, from) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, to) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(from != *to);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
 }
 
 #[cfg(test)]
@@ -122,6 +174,15 @@ mod tests {
                 let f = parameters.fresnel().value(libm::cos(f64::from(degrees).to_radians()));
                 assert!((0.0..=1.0 + 1e-12).contains(&f), "{parameters:?} at {degrees}: {f}");
             }
+        }
+    }
+
+    #[test]
+    fn the_distance_counts_changes() {
+        for (a, b, expected) in
+            [("", "", 0), ("", "abc", 3), ("kitten", "sitting", 3), ("flaw", "lawn", 2), ("ab", "ba", 2)]
+        {
+            assert_eq!((distance(a, b), distance(b, a)), (expected, expected), "{a} {b}");
         }
     }
 }

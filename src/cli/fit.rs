@@ -1,17 +1,19 @@
 //! `brdfit fit`: a batch of measured files to documents and a summary.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use brdfit_fit::document::{Failure, FitDocument, SummaryRow};
 use tracing::info;
 
 use crate::args::FitArgs;
+use crate::atlas_files::{AtlasJob, AtlasMaker};
 use crate::batch;
 use crate::console::Console;
+use crate::documents;
 use crate::inputs::InputFile;
 use crate::json;
 use crate::material::Fitter;
+use crate::material_input::{Origin, sgd};
 use crate::outcome::{Outcome, Problem};
 use crate::output;
 use crate::picture;
@@ -41,16 +43,10 @@ fn print(plan: &FitPlan) -> anyhow::Result<Outcome> {
 pub(crate) fn fill(folder: &Path, plan: &FitPlan, console: &Console) -> anyhow::Result<Outcome> {
     output::folder(folder)?;
     let fitter = Fitter::new(plan.job.clone());
-    let progress = console.progress(plan.inputs.len(), "fitting");
-    let results = batch::each(&plan.inputs, |input| {
-        let result = survive(input, || fit(input, &fitter, folder, plan));
-        if let Ok(Err(error)) = &result {
-            progress.suspend(|| console.error(error));
-        }
-        progress.tick();
-        result
-    })?;
-    drop(progress);
+    let atlases = plan.atlas.then(|| AtlasMaker::new(AtlasJob::default()));
+    let label = |input: &InputFile| input.path.display().to_string();
+    let work = |input: &InputFile| fit(input, &fitter, atlases.as_ref(), folder, plan);
+    let results = batch::each_on_its_own(&plan.inputs, usize::MAX, "fitting", console, label, work)?;
 
     let mut summary = summary::new(plan.job.options.clone());
     let (mut outcome, mut kept) = (Outcome::Done, 0);
@@ -72,10 +68,8 @@ pub(crate) fn fill(folder: &Path, plan: &FitPlan, console: &Console) -> anyhow::
         }
     }
     let path = summary::write(folder, plan.shard, &summary)?;
-    let skipped = if kept > 0 { format!(" ({kept} were there already)") } else { String::new() };
-    let failed =
-        if summary.failures.is_empty() { String::new() } else { format!(", {} failed", summary.failures.len()) };
-    console.note(&format!("{} fitted{skipped}{failed}: {}", summary.materials.len(), path.display()));
+    let fitted = format!("{} fitted", summary.materials.len());
+    console.note(&format!("{}: {}", batch::tally(&fitted, kept, summary.failures.len()), path.display()));
     Ok(outcome)
 }
 
@@ -87,27 +81,62 @@ struct Material {
 }
 
 /// Fits one input. The outer error ends the batch: if one result cannot be written, the next cannot either.
-fn fit(input: &InputFile, fitter: &Fitter, folder: &Path, plan: &FitPlan) -> Result<anyhow::Result<Material>, Problem> {
+fn fit(
+    input: &InputFile,
+    fitter: &Fitter,
+    atlases: Option<&AtlasMaker>,
+    folder: &Path,
+    plan: &FitPlan,
+) -> Result<anyhow::Result<Material>, Problem> {
     let path = folder.join(format!("{}.json", input.name));
     let opened = match fitter.open(input) {
         Ok(opened) => opened,
         Err(error) => return Ok(Err(error.into())),
     };
-    if plan.resume
-        && let Some(document) = resume::reusable(&path, opened.input(), fitter.job())
-    {
-        info!(file = %path.display(), "kept");
-        draw(&document, folder, plan)?;
-        return Ok(Ok(Material { row: SummaryRow::from(&document), kept: true }));
-    }
-    let document = match fitter.fit(opened) {
-        Ok(document) => document,
-        Err(error) => return Ok(Err(error.into())),
+    let there = if plan.resume { resume::reusable(&path, opened.input(), fitter.job()) } else { None };
+    let kept = there.is_some();
+    let document = match there {
+        Some(document) => {
+            info!(file = %path.display(), "kept");
+            document
+        }
+        None => match fitter.fit(opened) {
+            Ok(document) => document,
+            Err(error) => return Ok(Err(error.into())),
+        },
     };
     draw(&document, folder, plan)?;
-    output::write_recoverable(&path, &json::to_vec(&document))?;
-    info!(file = %path.display(), "written");
-    Ok(Ok(Material { row: SummaryRow::from(&document), kept: false }))
+    let bytes = json::to_vec(&document);
+    if !kept {
+        output::write_recoverable(&path, &bytes)?;
+        info!(file = %path.display(), "written");
+    }
+    let row = SummaryRow::from(&document);
+    if let Some(maker) = atlases
+        && let Err(error) = add_atlas(&row, &bytes, maker, folder, plan)?
+    {
+        return Ok(Err(error.into()));
+    }
+    Ok(Ok(Material { row, kept }))
+}
+
+/// Makes the atlas of a fit, as `brdfit atlas` does of its document, `bytes`. The errors are those of [`fit`].
+fn add_atlas(
+    row: &SummaryRow,
+    bytes: &[u8],
+    maker: &AtlasMaker,
+    folder: &Path,
+    plan: &FitPlan,
+) -> Result<Result<(), Problem>, Problem> {
+    let name = &row.name;
+    let origin = Origin::fit(name, Some(documents::sha256(bytes)));
+    if plan.resume && maker.reusable(folder, &origin).is_some() {
+        return Ok(Ok(()));
+    }
+    match sgd(row.parameters, name).and_then(|material| maker.make(&material, origin, name)) {
+        Ok(made) => made.write(folder).map(|_| Ok(())),
+        Err(error) => Ok(Err(error)),
+    }
 }
 
 fn draw(document: &FitDocument, folder: &Path, plan: &FitPlan) -> Result<(), Problem> {
@@ -116,15 +145,4 @@ fn draw(document: &FitDocument, folder: &Path, plan: &FitPlan) -> Result<(), Pro
         output::write_recoverable(&path, picture::draw(document).as_bytes())?;
     }
     Ok(())
-}
-
-/// Turns a panic, which is a mistake of the program, into a failure of the one material.
-fn survive<T>(
-    input: &InputFile,
-    work: impl FnOnce() -> Result<anyhow::Result<T>, Problem>,
-) -> Result<anyhow::Result<T>, Problem> {
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
-        let message = "the program made a mistake (see above); please report it with this file";
-        Ok(Err(Problem::computation(format!("{}: {message}", input.path.display())).into()))
-    })
 }

@@ -16,7 +16,7 @@ use crate::output;
 pub(crate) fn run(args: &InfoArgs, console: &Console) -> anyhow::Result<Outcome> {
     let checks = Checks::new(args.sample_position.into());
     let progress = console.progress(args.files.len(), "reading");
-    let reports = batch::each(&args.files, |file| {
+    let reports = batch::each(&args.files, usize::MAX, |file| {
         let report = checks.report(file);
         progress.tick();
         Ok::<_, Problem>(report)

@@ -5,6 +5,9 @@
 #![allow(rustdoc::invalid_html_tags)]
 
 mod args;
+mod atlas;
+mod atlas_files;
+mod atlas_plan;
 mod batch;
 mod compare;
 mod completions;
@@ -13,6 +16,7 @@ mod demo;
 mod diagnostics;
 mod documents;
 mod embedded;
+mod export;
 mod fit;
 mod info;
 mod info_text;
@@ -20,6 +24,7 @@ mod inputs;
 mod json;
 mod man;
 mod material;
+mod material_input;
 mod merge;
 mod noise;
 mod outcome;
@@ -59,6 +64,8 @@ fn run(cli: &Cli, console: &Console) -> anyhow::Result<Outcome> {
     rayon::ThreadPoolBuilder::new().num_threads(cli.threads.unwrap_or(0).into()).build_global()?;
     match &cli.command {
         Command::Fit(args) => fit::run(args, console),
+        Command::Atlas(args) => atlas::run(args, console),
+        Command::Export(args) => export::run(args),
         Command::Info(args) => info::run(args, console),
         Command::Synth(args) => synth::run(args, console),
         Command::Compare(args) => compare::run(args, console),

@@ -7,6 +7,7 @@ use brdfit_fit::{FitError, FitOptions, PanelGeometry, error_panel, fit_slices};
 use brdfit_merl::{Dimensions, MerlError, MerlFile, Scan};
 use tracing::{debug, info};
 
+use crate::batch::in_pool;
 use crate::inputs::InputFile;
 use crate::outcome::Problem;
 
@@ -49,6 +50,22 @@ impl Opened {
     }
 }
 
+/// Looks at every cell; where `accept_non_finite`, cells that are no numbers count as cells without a measurement.
+///
+/// # Errors
+/// Values that no measurement has, or no measurement at all.
+pub(crate) fn scan(file: &MerlFile, accept_non_finite: bool) -> Result<Scan, MerlError> {
+    let scan = in_pool(|| file.scan());
+    match scan.check(file.path()) {
+        Err(MerlError::NotANumber { .. } | MerlError::Infinite { .. })
+            if accept_non_finite && scan.valid_cells() > 0 =>
+        {
+            Ok(scan)
+        }
+        checked => checked.map(|()| scan),
+    }
+}
+
 impl Fitter {
     pub(crate) fn new(job: Job) -> Self {
         Self { job, half_turn: OnceLock::new(), full_turn: OnceLock::new() }
@@ -64,37 +81,16 @@ impl Fitter {
     /// A file that cannot be read or is no MERL file.
     pub(crate) fn open(&self, input: &InputFile) -> Result<Opened, MerlError> {
         info!(file = %input.path.display(), "open");
-        self.prepare(MerlFile::open(&input.path)?, &input.name)
-    }
-
-    /// As [`Self::open`], for a file that is in memory already.
-    ///
-    /// # Errors
-    /// As [`Self::open`].
-    pub(crate) fn prepare(&self, file: MerlFile, name: &str) -> Result<Opened, MerlError> {
-        let scan = self.job.scan.then(|| in_pool(|| file.scan()));
-        if let Some(scan) = &scan {
-            self.check(scan, &file)?;
-        }
+        let file = MerlFile::open(&input.path)?;
+        let scan = self.job.scan.then(|| scan(&file, self.job.accept_non_finite)).transpose()?;
         let input = Input {
-            name: name.to_owned(),
+            name: input.name.clone(),
             sha256: scan.as_ref().map(Scan::sha256_hex),
             dimensions: file.dimensions().shape(),
             sample_position: self.job.options.sample_position,
             valid_fraction: scan.as_ref().map(Scan::valid_fraction),
         };
         Ok(Opened { file, scan, input })
-    }
-
-    fn check(&self, scan: &Scan, file: &MerlFile) -> Result<(), MerlError> {
-        match scan.check(file.path()) {
-            Err(MerlError::NotANumber { .. } | MerlError::Infinite { .. })
-                if self.job.accept_non_finite && scan.valid_cells() > 0 =>
-            {
-                Ok(())
-            }
-            other => other,
-        }
     }
 
     /// Fits an open file.
@@ -149,9 +145,4 @@ impl Fitter {
         let cell = if dimensions.is_folded() { &self.half_turn } else { &self.full_turn };
         cell.get_or_init(|| in_pool(|| PanelGeometry::new(dimensions, self.job.options.sample_position)))
     }
-}
-
-/// Does a piece of work on a thread of the pool, so that no more than `--threads` compute at once.
-fn in_pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
-    rayon::scope(|_| work())
 }

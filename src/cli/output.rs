@@ -171,6 +171,17 @@ fn is_temporary(name: &OsStr) -> bool {
     name.to_str().is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX))
 }
 
+/// Removes a file; one that is not there is no error.
+///
+/// # Errors
+/// What the operating system reports.
+pub(crate) fn remove(path: &Path) -> Result<(), Problem> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Problem::writing(path, &error)),
+        _ => Ok(()),
+    }
+}
+
 /// Drops every file that is being written and ends the process, from any thread: what Ctrl-C does.
 pub(crate) fn end(code: u8) -> ! {
     let open = open(); // held to the end: nothing appears any more

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use brdfit_fit::{DistributionSharing, FitOptions};
 
 use crate::args::FitArgs;
-use crate::inputs::{self, InputFile};
+use crate::inputs::{self, InputFile, Wanted};
 use crate::material::Job;
 use crate::outcome::Problem;
 use crate::words::ConstraintArg;
@@ -24,6 +24,8 @@ pub(crate) struct FitPlan {
     pub(crate) resume: bool,
     /// Whether pictures are drawn.
     pub(crate) picture: bool,
+    /// Whether atlases are made.
+    pub(crate) atlas: bool,
     /// The part of a larger batch.
     pub(crate) shard: Option<Shard>,
 }
@@ -57,7 +59,10 @@ impl FitPlan {
             }
             Some(folder) => Target::Folder(folder.clone()),
         };
-        let mut inputs = inputs::collect(&args.inputs, args.recursive)?;
+        let mut inputs = inputs::collect(&args.inputs, args.recursive, Wanted::Measured)?;
+        if args.atlas {
+            check_names(&inputs)?;
+        }
         if target == Target::StandardOutput && inputs.len() > 1 {
             return Err(Problem::usage(format!("{} inputs; add -o DIR for their results", inputs.len())));
         }
@@ -70,7 +75,20 @@ impl FitPlan {
             panel: !args.no_panel && !args.no_hash,
             accept_non_finite: args.accept_non_finite,
         };
-        Ok(Self { inputs, target, job, resume: args.resume, picture: args.picture, shard })
+        Ok(Self { inputs, target, job, resume: args.resume, picture: args.picture, atlas: args.atlas, shard })
+    }
+}
+
+/// Refuses two inputs of which one has a fit where the other has the document of its atlas.
+fn check_names(inputs: &[InputFile]) -> Result<(), Problem> {
+    let is_there = |name: &str| inputs.iter().any(|input| input.name == name);
+    match inputs.iter().find(|input| input.name.strip_suffix(".atlas").is_some_and(is_there)) {
+        None => Ok(()),
+        Some(input) => Err(Problem::usage(format!(
+            "{}: its result {}.json would be that of an atlas too; rename the file",
+            input.path.display(),
+            input.name
+        ))),
     }
 }
 
@@ -100,7 +118,7 @@ impl Shard {
     /// Largest number of parts.
     const MAX: usize = 100_000;
 
-    fn parse(text: &str) -> Result<Self, Problem> {
+    pub(crate) fn parse(text: &str) -> Result<Self, Problem> {
         Self::split(text, "/")
             .ok_or_else(|| Problem::usage(format!("--shard {text}: wants I/N with I from 1 to N, for instance 2/8")))
     }
@@ -118,7 +136,7 @@ impl Shard {
     }
 
     /// Every `count`-th, starting with the `index`-th.
-    fn part<T>(self, all: Vec<T>) -> Vec<T> {
+    pub(crate) fn part<T>(self, all: Vec<T>) -> Vec<T> {
         all.into_iter().skip(self.index - 1).step_by(self.count).collect()
     }
 }
@@ -146,7 +164,7 @@ mod tests {
     fn the_default_is_the_default() {
         let plan = plan("brdfit fit x.binary").unwrap();
         assert_eq!((plan.target, plan.job.options), (Target::StandardOutput, FitOptions::default()));
-        assert!(plan.job.scan && plan.job.panel);
+        assert!(plan.job.scan && plan.job.panel && !plan.atlas);
     }
 
     #[test]
@@ -174,6 +192,7 @@ mod tests {
             ("brdfit fit x -o d --shard 0/3", "--shard 0/3"),
             ("brdfit fit x -o d --shard 4/3", "--shard 4/3"),
             ("brdfit fit x -o d --shard 1", "--shard 1"),
+            ("brdfit fit x.binary x.atlas.binary -o d --atlas", "x.atlas.binary: its result x.atlas.json"),
             ("brdfit fit x --cutoff-theta-h 95", "cutoff_theta_h"),
             ("brdfit fit x --cutoff-theta-d nan", "cutoff_theta_d"),
             ("brdfit fit x --start 2,0.4", "alpha 2"),

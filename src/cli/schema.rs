@@ -6,6 +6,7 @@ use schemars::Schema;
 use schemars::generate::SchemaSettings;
 
 use crate::args::{SchemaArgs, SchemaName};
+use crate::atlas_files::Sidecar;
 use crate::json;
 use crate::outcome::Outcome;
 use crate::output;
@@ -20,6 +21,7 @@ fn schema(document: SchemaName) -> Schema {
     match document {
         SchemaName::Fit => generator.into_root_schema_for::<FitDocument>(),
         SchemaName::Summary => generator.into_root_schema_for::<SummaryDocument>(),
+        SchemaName::Atlas => generator.into_root_schema_for::<Sidecar>(),
         SchemaName::Info => generator.into_root_schema_for::<Vec<Health>>(),
     }
 }

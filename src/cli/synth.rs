@@ -10,7 +10,7 @@ use serde::Deserialize;
 
 use crate::args::SynthArgs;
 use crate::console::Console;
-use crate::documents;
+use crate::documents::Document;
 use crate::embedded;
 use crate::noise::Noise;
 use crate::outcome::{Outcome, Problem};
@@ -18,8 +18,7 @@ use crate::output;
 
 /// What stands below the options in the help.
 pub(crate) fn examples() -> String {
-    let names: Vec<String> = embedded::names().map(|name| format!("  {name}\n")).collect();
-    format!("{EXAMPLES}\n\nEmbedded materials:\n{}", names.concat().trim_end_matches('\n'))
+    format!("{EXAMPLES}\n\n{}", embedded::list())
 }
 
 const EXAMPLES: &str = "\
@@ -72,16 +71,10 @@ struct Source {
     sample_position: Option<SamplePosition>,
 }
 
-/// The part of a result that is needed; other members are skipped.
+/// What a result says of the measurement, beside its material.
 #[derive(Deserialize)]
-struct Parametrised {
-    channels: [Channel; 3],
+struct Measured {
     input: Option<Grid>,
-}
-
-#[derive(Deserialize)]
-struct Channel {
-    parameters: SgdParameters,
 }
 
 #[derive(Deserialize)]
@@ -91,33 +84,20 @@ struct Grid {
 }
 
 impl Source {
-    /// An existing file, or else what looks like the name of one, is a result; anything else is the name of a material.
+    /// A result or an embedded material, as [`embedded::find`] decides.
     fn find(source: &Path) -> Result<Self, Problem> {
-        let name = source.to_string_lossy();
-        if let (false, Some(material)) = (source.exists(), embedded::material(&name)) {
-            return Ok(Self { parameters: material.parameters, dimensions: None, sample_position: None });
+        match embedded::find(source)? {
+            Some(material) => Ok(Self { parameters: material.parameters, dimensions: None, sample_position: None }),
+            None => Self::read(source),
         }
-        if source.exists() || source.extension().is_some() || source.components().count() > 1 {
-            return Self::read(source);
-        }
-        let names: Vec<&str> = embedded::names().collect();
-        let nearest = names.iter().copied().min_by_key(|candidate| distance(&name, candidate));
-        let guess = match nearest {
-            Some(candidate) if distance(&name, candidate) <= candidate.chars().count() / 2 => {
-                format!("did you mean {candidate}? ")
-            }
-            _ => String::new(),
-        };
-        Err(Problem::usage(format!(
-            "{name}: neither a file nor an embedded material; {guess}embedded are {}",
-            names.join(", ")
-        )))
     }
 
     fn read(path: &Path) -> Result<Self, Problem> {
-        let result: Parametrised = documents::read(path, "a fit result")?;
+        let result = Document::open(path, "a fit result")?;
+        let parameters = result.material()?.parameters();
+        let Measured { input } = result.decode()?;
         let (dimensions, sample_position) =
-            result.input.map_or((None, None), |input| (input.dimensions, input.sample_position));
+            input.map_or((None, None), |input| (input.dimensions, input.sample_position));
         if let Some([h, d, p]) = dimensions
             && Dimensions::from_shape([h, d, p]).is_none()
         {
@@ -126,37 +106,6 @@ impl Source {
                 path.display()
             )));
         }
-        let parameters = result.channels.map(|channel| channel.parameters);
         Ok(Self { parameters, dimensions, sample_position })
-    }
-}
-
-/// Levenshtein's distance: insertions, deletions and replacements of one character between two words.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, to) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(from != *to);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_distance_counts_changes() {
-        for (a, b, expected) in
-            [("", "", 0), ("", "abc", 3), ("kitten", "sitting", 3), ("flaw", "lawn", 2), ("ab", "ba", 2)]
-        {
-            assert_eq!((distance(a, b), distance(b, a)), (expected, expected), "{a} {b}");
-        }
     }
 }

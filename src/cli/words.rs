@@ -1,5 +1,7 @@
 //! The words that options take, and what each of them stands for.
 
+use brdfit_bandwidth::exr::Samples;
+use brdfit_bandwidth::{AtlasChannels, Layout, ShaderLanguage};
 use brdfit_fit::{Anchor, Constraint, Loss, Step2Solver};
 use brdfit_merl::SamplePosition;
 use clap::ValueEnum;
@@ -13,6 +15,8 @@ pub(crate) enum SchemaName {
     Summary,
     /// What `brdfit info --format json` prints
     Info,
+    /// <name>.atlas.json of `brdfit atlas`
+    Atlas,
 }
 
 /// How data are printed.
@@ -83,6 +87,55 @@ words! {
         /// Levenberg-Marquardt
         Lm => Step2Solver::LevenbergMarquardt,
     }
+}
+
+words! {
+    /// `--layout`
+    LayoutArg => Layout {
+        /// 256 elevations of the light
+        Isotropic => Layout::Isotropic,
+        /// 16 x 16 directions of the light
+        Hemisphere => Layout::Hemisphere,
+    }
+}
+
+words! {
+    /// `--channels`
+    ChannelsArg => AtlasChannels {
+        /// The maximum over the colours
+        Max => AtlasChannels::Max,
+        /// Red, green, blue and their maximum
+        Rgba => AtlasChannels::Rgba,
+    }
+}
+
+words! {
+    /// `--exr-samples`
+    SamplesArg => Samples {
+        /// 16 bits, rounded up
+        Half => Samples::Half,
+        /// 32 bits, as computed
+        Float => Samples::Float,
+    }
+}
+
+words! {
+    /// The argument of `export`
+    LanguageArg => ShaderLanguage {
+        /// For WebGPU
+        Wgsl => ShaderLanguage::Wgsl,
+        /// For OpenGL, WebGL 2 and Vulkan
+        Glsl => ShaderLanguage::Glsl,
+    }
+}
+
+/// `--formats`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ContainerArg {
+    /// Texture with mip levels, half precision
+    Ktx2,
+    /// OpenEXR, one part per level
+    Exr,
 }
 
 /// `--constraint`: a constraint, or a preset that sets more than it.

@@ -22,7 +22,7 @@ fn validator(name: &str) -> Validator {
 }
 
 #[track_caller]
-fn assert_valid(name: &str, document: &Value) {
+pub(crate) fn assert_valid(name: &str, document: &Value) {
     let errors: Vec<String> =
         validator(name).iter_errors(document).map(|e| format!("{}: {e}", e.instance_path())).collect();
     assert!(errors.is_empty(), "{name}: {errors:#?}");
@@ -31,7 +31,7 @@ fn assert_valid(name: &str, document: &Value) {
 #[test]
 fn the_published_schemas_are_current() {
     let place = Workplace::new();
-    for name in ["fit", "summary", "info"] {
+    for name in ["fit", "summary", "info", "atlas"] {
         let printed = place.succeed(&format!("schema {name}")).stdout;
         let path = published(name);
         if std::env::var_os(UPDATE).is_some() {

@@ -1,5 +1,6 @@
 //! Tests of the program from outside: what goes in, what comes out, and how it ends.
 
+mod atlas;
 mod batch;
 mod documents;
 mod fit;

@@ -234,6 +234,7 @@ fn options() {
             ("fit x --shard 1/2", 1, "--output <DIR>"),
             ("fit x --resume", 1, "--output <DIR>"),
             ("fit x --picture", 1, "--output <DIR>"),
+            ("fit x --atlas", 1, "--output <DIR>"),
             ("fit x -o d --resume --no-hash", 1, "cannot be used with"),
             ("fit x -o d --shard 0/2", 1, "--shard 0/2: wants I/N"),
             ("fit x -o d --shard 3/2", 1, "--shard 3/2: wants I/N"),
@@ -241,9 +242,30 @@ fn options() {
             ("fit x -o d --shard half", 1, "--shard half: wants I/N"),
             ("fit x -o -", 1, "-o wants a folder"),
             ("fit x y", 1, "2 inputs; add -o DIR"),
+            ("atlas", 1, "<INPUT>"),
+            ("atlas x", 1, "--output <DIR>"),
+            ("atlas x.json -o -", 1, "-o wants a folder"),
+            ("atlas x.json -o d --formats png", 1, "invalid value 'png'"),
+            (
+                "atlas x.json -o d --formats ktx2 --exr-samples float",
+                1,
+                "--exr-samples float: the formats are without exr",
+            ),
+            ("atlas x.json -o d --exr-samples double", 1, "invalid value 'double'"),
+            ("atlas x.json -o d --channels rgb", 1, "invalid value 'rgb'"),
+            ("atlas x.json -o d --layout square", 1, "invalid value 'square'"),
+            ("atlas x.json -o d --max-resolution 2048", 1, "invalid value '2048'"),
+            ("atlas x.json -o d --percentile 95 --epsilon 0.01", 1, "cannot be used with"),
+            ("atlas x.json -o d --percentile 100", 1, "--percentile 100: must lie between 0 and 100"),
+            ("atlas x.json -o d --epsilon -0.01", 1, "--epsilon -0.01: must lie above 0"),
+            ("atlas x.json -o d --delta nan", 1, "--delta NaN: must lie from 0 to below 1"),
+            ("atlas x.json -o d --finest-share inf", 1, "--finest-share inf: must lie from 0 to 1"),
+            ("atlas x.json -o d --shard 3/2", 1, "--shard 3/2: wants I/N"),
+            ("atlas red-satn -o d", 1, "red-satn: neither a file nor an embedded material; did you mean red-satin?"),
             ("info x --format xml", 1, "invalid value 'xml'"),
             ("synth x.json", 1, "--output"),
-            ("schema atlas", 1, "invalid value 'atlas'"),
+            ("schema albedo", 1, "invalid value 'albedo'"),
+            ("export hlsl", 1, "invalid value 'hlsl'"),
             ("completions tcsh", 1, "invalid value 'tcsh'"),
             ("man fti", 1, "fti: no such command; choose one of fit, "),
         ],
@@ -261,6 +283,10 @@ fn outputs() {
         &[
             ("fit x -o file", 2, "file: is a file, not a folder"),
             ("fit x -o file/below", 2, "file/below: a part of this path is a file"),
+            ("atlas good.json -o file", 2, "file: is a file, not a folder"),
+            ("atlas good.json -o file/below", 2, "file/below: a part of this path is a file"),
+            ("export wgsl -o folder", 2, "folder: is a folder; name a file with -o"),
+            ("export glsl -o gone/x.glsl", 2, "gone/x.glsl: its folder does not exist"),
             ("synth good.json -o folder", 2, "folder: is a folder; name a file with -o"),
             ("synth good.json -o gone/x.binary", 2, "gone/x.binary: its folder does not exist"),
             ("synth good.json -o file/x.binary", 2, "its folder does not exist"),
@@ -271,11 +297,13 @@ fn outputs() {
             &place,
             &[
                 ("fit x -o /proc/brdfit", 2, "/proc/brdfit: "),
+                ("atlas good.json -o /proc/brdfit", 2, "/proc/brdfit: "),
+                ("export wgsl -o /dev/full", 2, "/dev/full: no space left on the device"),
                 ("synth good.json -o /proc/x.binary", 2, "/proc/x.binary: "),
                 ("synth good.json -o /dev/full", 2, "/dev/full: no space left on the device"),
             ],
         );
-        for line in ["schema fit", "completions bash", "man", "--help"] {
+        for line in ["schema fit", "export glsl", "completions bash", "man", "--help"] {
             let full = File::options().write(true).open("/dev/full").unwrap();
             let output = place.command(line).stdout(full).output().unwrap();
             assert_eq!(output.status.code(), Some(2), "brdfit {line} > /dev/full");
