@@ -124,8 +124,8 @@ pub(crate) fn expand_window(
     block: usize,
     (row_pixels, row): (&Pixels, usize),
     (pixels, cells): (&Pixels, Range<usize>),
-    out: [&mut [f32]; 2],
-    before: bool,
+    [sides, diagonals]: [&mut [f32]; 2],
+    (before, scratch): (bool, &mut Vec<f32>),
 ) -> bool {
     let (rows, columns) = (energy.sides.rows, energy.sides.columns);
     // between which blocks of the window a pixel lies, and where; none outside
@@ -138,21 +138,29 @@ pub(crate) fn expand_window(
         let k = at as usize;
         Some((k, (k + 1).min(count - 1), at - k as f32))
     };
-    let [sides, diagonals] = out;
     let meets = place(row_pixels.of(row), energy.top, rows);
     if meets.is_some() || before {
         sides.fill(0.0);
         diagonals.fill(0.0);
     }
     let Some((upper, lower, t)) = meets else { return false };
-    for (n, (side, diagonal)) in (4 * cells.start..).zip(sides.iter_mut().zip(diagonals)) {
+    // the lines of blocks above and below, mixed once for all samples between them
+    let line = |plane: &Plane, scratch: &mut [f32]| {
+        let (upper, lower) = (&plane.values[upper * columns..][..columns], &plane.values[lower * columns..][..columns]);
+        let mixed = scratch.iter_mut().zip(upper).zip(lower);
+        mixed.for_each(|((out, upper), lower)| *out = mix(*upper, *lower, t));
+    };
+    scratch.resize(2 * columns, 0.0);
+    let (side_line, diagonal_line) = scratch.split_at_mut(columns);
+    line(&energy.sides, side_line);
+    line(&energy.diagonals, diagonal_line);
+    // cells that the window meets
+    let bits = pixels.cell - block;
+    let met = (energy.left >> bits).max(cells.start)..((energy.left + columns).div_ceil(1 << bits)).min(cells.end);
+    for n in 4 * met.start..4 * met.end.max(met.start) {
         let Some((left, right, s)) = place(pixels.of(n), energy.left, columns) else { continue };
-        let at = |plane: &Plane| {
-            let line = |k: usize| mix(plane.values[k * columns + left], plane.values[k * columns + right], s);
-            mix(line(upper), line(lower), t)
-        };
-        *side = at(&energy.sides);
-        *diagonal = at(&energy.diagonals);
+        sides[n - 4 * cells.start] = mix(side_line[left], side_line[right], s);
+        diagonals[n - 4 * cells.start] = mix(diagonal_line[left], diagonal_line[right], s);
     }
     true
 }
@@ -212,7 +220,7 @@ mod tests {
         let (mut sides, mut diagonals) = ([9.0; 32], [9.0; 32]);
         for row in [11, 12, 17, 19, 20] {
             let out = [&mut sides[..], &mut diagonals[..]];
-            let meets = expand_window(&energy, 1, (&pixels, row), (&pixels, 0..8), out, true);
+            let meets = expand_window(&energy, 1, (&pixels, row), (&pixels, 0..8), out, (true, &mut Vec::new()));
             assert_eq!(meets, (12..20).contains(&row));
             for (n, side) in sides.iter().enumerate() {
                 let place = |n: usize| (pixels.of(n) as f64 + 0.5) / 4.0 - 12.0;

@@ -12,7 +12,8 @@ use crate::vectorise::vectorise;
 /// Samples along a side at which the map is evaluated: four per texel.
 const SAMPLES: usize = 4 * LOBE_TEXELS;
 
-/// Pixels of a texel at which the map is evaluated, per resolution: the outermost ones are there. In the finest window all are.
+/// Pixels of a texel at which the map is evaluated, per resolution: the outermost ones are there. In the core of the finest
+/// window all are.
 const WITHIN: [[usize; 4]; RESOLUTIONS] = [[0, 1, 2, 3], [0, 2, 5, 7], [0, 5, 10, 15]];
 
 /// Samples along one side of a lobe, four per texel.
@@ -60,7 +61,7 @@ impl Rasters {
         let mut texels = vec![f32::NEG_INFINITY; LOBE_TEXELS * LOBE_TEXELS];
         let (some, all) = self.rasters[input.windows.len()].split_at(1);
         input.raise([&some[0]; 2], &Window { rows: 0..rows, columns: 0..LOBE_TEXELS }, spectra, scratch, &mut texels);
-        if let Some(window) = input.windows.last() {
+        if let Some(window) = input.windows.last().map(Window::core) {
             let window = Window { rows: window.rows.start..window.rows.end.min(rows), columns: window.columns.clone() };
             for row_raster in all {
                 for raster in all {
@@ -96,12 +97,14 @@ impl MapInput<'_> {
         spectra.shape(4 * cells.len(), LEVELS + resolution);
         scratch.resize(SAMPLES, 0.0);
         let mut meets = [true; RESOLUTIONS];
+        let lines = &mut Vec::new();
         for row in 4 * window.rows.start..4 * window.rows.end {
             let out = &mut texels[row / 4 * LOBE_TEXELS..][..LOBE_TEXELS][cells.clone()];
             let log2_scale = self.grid.log2_scale(resolution, row_raster.pixels.of(row));
             for (level, energy) in self.energies.levels[..resolution].iter().enumerate() {
                 let (rows, columns) = ((&row_raster.pixels, row), (&raster.pixels, cells.clone()));
-                meets[level] = expand_window(energy, level + 1, rows, columns, spectra.level(level), meets[level]);
+                let before = (meets[level], &mut *lines);
+                meets[level] = expand_window(energy, level + 1, rows, columns, spectra.level(level), before);
             }
             vectorise(
                 #[inline(always)]

@@ -147,6 +147,10 @@ impl Patch {
 
     /// Makes the samples outside an image of `size` samples along a side the reflection of those inside.
     pub(crate) fn close(&mut self, size: usize) {
+        let ends_inside = |start: isize, count: usize| start >= 0 && start + count as isize <= size as isize;
+        if ends_inside(self.top, self.rows) && ends_inside(self.left, self.columns) {
+            return;
+        }
         let inside = |start: isize, n: usize| reflect(start + n as isize, size) as isize - start;
         for r in 0..self.rows {
             for c in 0..self.columns {

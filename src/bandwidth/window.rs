@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::energy::{Energies, Plane};
+use crate::energy::{Energies, LevelEnergy, Plane};
 use crate::lobe::LOBE_TEXELS;
 use crate::lobe_grid::{LEVELS, RESOLUTIONS};
 use crate::refine::Window;
@@ -11,7 +11,19 @@ use crate::refine::Window;
 const MARGIN: usize = 2;
 
 /// Texels along a side of a window at most, by the resolution that it refines.
-const LARGEST_WINDOW: [usize; RESOLUTIONS - 1] = [20, 14];
+const LARGEST_WINDOW: [usize; RESOLUTIONS - 1] = [16, 12];
+
+impl Window {
+    /// The window without the outer half of its margin.
+    pub(crate) fn core(&self) -> Self {
+        let core = |texels: &Range<usize>| {
+            let margin = |at_the_border: bool| if at_the_border { 0 } else { MARGIN / 2 };
+            texels.start + margin(texels.start == 0)..texels.end - margin(texels.end == LOBE_TEXELS)
+        };
+        let [rows, columns] = [core(&self.rows), core(&self.columns)];
+        if rows.is_empty() || columns.is_empty() { self.clone() } else { Self { rows, columns } }
+    }
+}
 
 /// The texels around which the finest level counts at the present resolution, in any channel; inside the window in which it
 /// is known. `None` where it counts nowhere.
@@ -73,35 +85,38 @@ fn is_near_rim(row: usize, column: usize) -> bool {
 /// The largest energy of the finest level in a texel, where it counts or nearly so.
 fn counted(energies: &Energies, resolution: usize, delta: f64, [row, column]: [usize; 2]) -> Option<f32> {
     // levels with blocks of half a texel and less: the largest block; the others: the block itself
-    let mut all = 0.0;
-    let mut finest = 0.0;
-    for (level, energy) in energies.levels.iter().enumerate() {
-        let largest = |plane: &Plane| {
-            let per_texel = (2 << resolution) >> level;
-            if per_texel == 0 {
-                let shift = level - resolution - 1;
-                return plane.values[(row >> shift) * plane.columns + (column >> shift)];
-            }
-            let (top, left) = (row * per_texel, column * per_texel);
-            let mut largest = 0.0_f32;
-            for r in top..top + per_texel {
-                for c in left..left + per_texel {
-                    let inside = r >= energy.top && c >= energy.left;
-                    if inside && r - energy.top < plane.rows && c - energy.left < plane.columns {
-                        largest = largest.max(plane.values[(r - energy.top) * plane.columns + c - energy.left]);
-                    }
-                }
-            }
-            largest
-        };
-        let (sides, diagonals) = (largest(&energy.sides), largest(&energy.diagonals));
-        if level == 0 {
-            finest = sides.max(diagonals);
+    let largest = |level: usize, plane: &Plane| {
+        let energy = &energies.levels[level];
+        let per_texel = (2 << resolution) >> level;
+        if per_texel == 0 {
+            let shift = level - resolution - 1;
+            return plane.values[(row >> shift) * plane.columns + (column >> shift)];
         }
+        let inside = |texel: usize, first: usize, count: usize| {
+            (texel * per_texel).max(first) - first..((texel + 1) * per_texel).clamp(first, first + count) - first
+        };
+        let columns = inside(column, energy.left, plane.columns);
+        let rows = inside(row, energy.top, plane.rows);
+        let blocks = rows.flat_map(|r| &plane.values[r * plane.columns..][columns.clone()]);
+        blocks.fold(0.0_f32, |largest, &energy| largest.max(energy))
+    };
+    let of = |level: usize| {
+        let LevelEnergy { sides, diagonals, .. } = &energies.levels[level];
+        (largest(level, sides), largest(level, diagonals))
+    };
+    let (sides, diagonals) = of(0);
+    let finest = sides.max(diagonals);
+    // half the limit: the neighbours' share in the interpolation
+    let counts = |all: f32| f64::from(finest) > 0.5 * delta * delta * f64::from(all);
+    // from the coarsest level on: most texels are settled there
+    let shift = LEVELS - 2;
+    let mut all = energies.mean.values[(row >> shift) * energies.mean.columns + (column >> shift)];
+    for level in (0..energies.levels.len()).rev() {
+        if !counts(all) {
+            return None;
+        }
+        let (sides, diagonals) = of(level);
         all += sides + diagonals;
     }
-    let shift = LEVELS - 2;
-    all += energies.mean.values[(row >> shift) * energies.mean.columns + (column >> shift)];
-    // half the limit: the neighbours' share in the interpolation
-    (f64::from(finest) > 0.5 * delta * delta * f64::from(all)).then_some(finest)
+    counts(all).then_some(finest)
 }
