@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Bandwidth atlas of a material by numpy and PyWavelets: the definition, shared with nothing in the program.
 
-    reference_atlas.py NAME|FIT.json|FILE.binary (--all | --tiles 0,100,255) -o OUT.npz
+    reference_atlas.py NAME|FIT.json|FILE.binary (--all | --tiles 0,100,255) -o OUT.npz [--max-resolution 256]
 
 NAME is one of the published materials. The .npz holds `tiles`, `theta_i`, `map` [tile, 64, 64] (cycles per radian, the
 maximum over the channels), `channels` [tile, 3, 64, 64], `resolution`, `finest_share`, `saturated` and `seconds` per tile, and
@@ -12,6 +12,7 @@ import json
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
+from itertools import repeat
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,7 @@ def arguments():
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.npz")
     parser.add_argument("--layout", choices=("isotropic",), default="isotropic")
     parser.add_argument("--sample-position", choices=("edge", "centre"), default="edge")
+    parser.add_argument("--max-resolution", type=int, choices=SIZES, default=SIZES[-1])
     parser.add_argument("--data", metavar="DATA", help="folder with tables/sgd_published.json")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="tiles at the same time")
     return parser.parse_args()
@@ -65,9 +67,9 @@ def set_lobes(*material):
     LOBES = open_lobes(*material)
 
 
-def make_tile(tile):
+def make_tile(tile, sizes):
     start = time.perf_counter()
-    result = lobe_bandwidth(LOBES, isotropic_angle(tile))
+    result = lobe_bandwidth(LOBES, isotropic_angle(tile), sizes)
     return result, time.perf_counter() - start
 
 
@@ -75,14 +77,15 @@ def main():
     args = arguments()
     start = time.perf_counter()
     material = (args.input, args.sample_position, args.data)
+    sizes = [n for n in SIZES if n <= args.max_resolution]
     if args.jobs > 1:
         setup = 0.0
         with ProcessPoolExecutor(args.jobs, initializer=set_lobes, initargs=material) as pool:
-            results = list(pool.map(make_tile, args.tiles, chunksize=4))
+            results = list(pool.map(make_tile, args.tiles, repeat(sizes), chunksize=4))
     else:
         set_lobes(*material)
         setup = time.perf_counter() - start
-        results = [make_tile(tile) for tile in args.tiles]
+        results = [make_tile(tile, sizes) for tile in args.tiles]
     total = time.perf_counter() - start
     made = [result for result, _ in results]
     np.savez_compressed(

@@ -160,9 +160,9 @@ def reduce_to_tile(half):
     return np.concatenate([upper, upper[..., ::-1, :]], axis=-2)
 
 
-def lobe_bandwidth(lobes, theta_i):
-    """The tile of one incident angle, at the first of SIZES whose finest level holds at most FINEST_SHARE, or the last."""
-    for n in SIZES:
+def lobe_bandwidth(lobes, theta_i, sizes=SIZES):
+    """The tile of one incident angle, at the first of `sizes` whose finest level holds at most FINEST_SHARE, or the last."""
+    for n in sizes:
         found = lobe_energies(lobes, theta_i, n)
         share = float(found.finest_share().max())
         if share <= FINEST_SHARE:
