@@ -49,8 +49,8 @@ pub use atlas::{Atlas, AtlasChannels, LARGEST, LEVELS, Layout, Level, SIZE, TILE
 pub use compute::{compute_atlas, incident_direction};
 pub use error::AtlasError;
 pub use half_up::half_up;
-pub use lobe::{LOBE_TEXELS, Lobe, LobeEstimator, LobeMemory, LobeOptions};
-pub use lobe_grid::LobeGrid;
+pub use lobe::{Lobe, LobeEstimator, LobeMemory, LobeOptions};
+pub use lobe_grid::{LOBE_TEXELS, LobeGrid};
 pub use local::{Estimator, samples_per_unit};
 pub use mapping::{AngularMap, COS_RIM, direction_to_position, mapping_scale, position_to_direction};
 pub use preview::{Disc, discs, png_bytes, preview};

@@ -14,9 +14,6 @@ use crate::spectrum::Spectra;
 use crate::wavelet::Border;
 use crate::window::window;
 
-/// Texels along a side of the map of a lobe.
-pub const LOBE_TEXELS: usize = 64;
-
 /// Samples that filters need around a window.
 const HALO: isize = 4;
 

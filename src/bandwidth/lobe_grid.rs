@@ -6,6 +6,9 @@ use brdfit_brdf::{Brdf, Direction, Directions, Lobes};
 
 use crate::mapping::AngularMap;
 
+/// Texels along a side of the map of a lobe.
+pub const LOBE_TEXELS: usize = 64;
+
 /// The coarsest resolution; each further one has twice as many samples along a side.
 pub(crate) const BASE: usize = 256;
 

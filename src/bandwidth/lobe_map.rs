@@ -2,8 +2,7 @@
 
 use crate::energy::Energies;
 use crate::expand::{Axis, Pixels, expand_row, expand_window};
-use crate::lobe::LOBE_TEXELS;
-use crate::lobe_grid::{LEVELS, LobeGrid, RESOLUTIONS};
+use crate::lobe_grid::{LEVELS, LOBE_TEXELS, LobeGrid, RESOLUTIONS};
 use crate::local::Estimator;
 use crate::refine::Window;
 use crate::spectrum::Spectra;

@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use crate::energy::{Energies, LevelEnergy, Plane};
-use crate::lobe::LOBE_TEXELS;
-use crate::lobe_grid::{LEVELS, RESOLUTIONS};
+use crate::lobe_grid::{LEVELS, LOBE_TEXELS, RESOLUTIONS};
 use crate::refine::Window;
 
 /// Texels of a window beyond those in which the finest level counts.

@@ -1,7 +1,7 @@
 //! What every reflectance model offers: evaluation, sampling, density.
 
 use crate::direction::{Direction, direction};
-use crate::lobes::{Directions, Lobes, OneByOne};
+use crate::lobes::{Directions, Lobes};
 use std::f64::consts::{FRAC_1_PI, TAU};
 
 /// A bidirectional reflectance distribution function of three colour channels.
@@ -26,6 +26,22 @@ pub trait Brdf: Send + Sync {
     /// Models for which that pays compute here what depends on `o` alone.
     fn lobes<'a>(&'a self, o: &'a Directions) -> Box<dyn Lobes + 'a> {
         Box::new(OneByOne { brdf: self, o })
+    }
+}
+
+/// [`Lobes`] of any model: one evaluation in double precision after the other.
+struct OneByOne<'a, B: ?Sized> {
+    brdf: &'a B,
+    o: &'a Directions,
+}
+
+impl<B: Brdf + ?Sized> Lobes for OneByOne<'_, B> {
+    fn values(&self, i: &Direction, first: usize, values: [&mut [f32]; 3]) {
+        let [r, g, b] = values;
+        assert!(r.len() == g.len() && g.len() == b.len(), "the channels differ in length");
+        for (n, ((r, g), b)) in r.iter_mut().zip(g).zip(b).enumerate() {
+            [*r, *g, *b] = self.brdf.value(i, &self.o.get(first + n)).map(|value| value as f32);
+        }
     }
 }
 

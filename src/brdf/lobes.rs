@@ -1,6 +1,5 @@
 //! Many outgoing directions at once: what precomputations over whole lobes evaluate.
 
-use crate::brdf::Brdf;
 use crate::direction::Direction;
 
 /// Unit vectors in single precision, one array per component.
@@ -55,26 +54,10 @@ pub trait Lobes: Send + Sync {
     fn values(&self, i: &Direction, first: usize, values: [&mut [f32]; 3]);
 }
 
-/// [`Lobes`] of any model: one evaluation in double precision after the other.
-pub(crate) struct OneByOne<'a, B: ?Sized> {
-    pub(crate) brdf: &'a B,
-    pub(crate) o: &'a Directions,
-}
-
-impl<B: Brdf + ?Sized> Lobes for OneByOne<'_, B> {
-    fn values(&self, i: &Direction, first: usize, values: [&mut [f32]; 3]) {
-        let [r, g, b] = values;
-        assert!(r.len() == g.len() && g.len() == b.len(), "the channels differ in length");
-        for (n, ((r, g), b)) in r.iter_mut().zip(g).zip(b).enumerate() {
-            [*r, *g, *b] = self.brdf.value(i, &self.o.get(first + n)).map(|value| value as f32);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::Lambert;
+    use crate::brdf::{Brdf, Lambert};
     use crate::direction::direction;
 
     #[test]
