@@ -25,7 +25,7 @@ impl ShaderLanguage {
 
 /// Functions that look a bandwidth up in an atlas, to be put in front of a shader that calls them. The comment at its head says
 /// how directions map to texels, in which units values are, and how to bind the texture; nothing is bound by the text
-/// itself. Function by function it is the same as [`crate::sampling`], in single precision.
+/// itself. Function by function it is the same as [`crate::AtlasPlace`] and the look-ups of [`crate::Atlas`], in single precision.
 #[must_use]
 pub fn shader(language: ShaderLanguage) -> &'static str {
     match language {

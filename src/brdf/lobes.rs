@@ -45,7 +45,7 @@ impl FromIterator<Direction> for Directions {
     }
 }
 
-/// A BRDF made ready for one set of outgoing directions: see [`Brdf::lobes`].
+/// A BRDF made ready for one set of outgoing directions: see [`crate::Brdf::lobes`].
 pub trait Lobes: Send + Sync {
     /// Writes `f(i, o)` in 1/sr of the three channels for the directions `first`, `first + 1`, .. into slices of equal length.
     ///
