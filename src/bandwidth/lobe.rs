@@ -5,10 +5,10 @@ use std::ops::Range;
 use brdfit_brdf::{Brdf, Direction};
 
 use crate::energy::{Energies, LevelEnergy, Reflected};
-use crate::lobe_grid::{BASE, LobeGrid, LobeSamples, RESOLUTIONS, size};
+use crate::lobe_grid::{BASE, LEVELS, LobeGrid, LobeSamples, RESOLUTIONS, size};
 use crate::lobe_map::{MapInput, Rasters};
 use crate::local::Estimator;
-use crate::pyramid::{Bands, Pyramid, levels};
+use crate::pyramid::{Bands, Pyramid};
 use crate::refine::{FilterMemory, Patch, Window, reflect, sum_of_squares};
 use crate::spectrum::Spectra;
 use crate::wavelet::Border;
@@ -46,7 +46,7 @@ pub struct Lobe {
     pub saturated: bool,
 }
 
-/// A material made ready to have the bandwidth of its lobes estimated (paper 000, section 2.3; docs/theory.md, "LobeEstimator").
+/// A material made ready to have the bandwidth of its lobes estimated (paper 000, section 2.3; docs/theory.md, "Lobes").
 pub struct LobeEstimator<'a> {
     samples: LobeSamples<'a>,
     options: LobeOptions,
@@ -103,9 +103,7 @@ impl<'a> LobeEstimator<'a> {
             let delta = self.options.estimator.delta;
             let Some(window) = window(&memory.energies, windows.len(), delta, symmetric, windows.last()) else { break };
             windows.push(window);
-            let mut patches = std::mem::take(&mut memory.patches);
-            self.sample_window(i, symmetric, &windows, &mut patches[windows.len() - 1]);
-            memory.patches = patches;
+            self.sample_window(i, symmetric, &windows, &mut memory.patches[windows.len() - 1]);
             self.add_window(symmetric, &windows, memory);
             Self::add_to_sums(&windows, memory);
             saturated = self.is_too_sharp(memory);
@@ -180,7 +178,6 @@ impl<'a> LobeEstimator<'a> {
             if !(0..side).contains(&y) {
                 continue;
             }
-            let line = |patch: &mut Patch| row * patch.columns..(row + 1) * patch.columns;
             let mirror = side - 1 - y - r.top;
             if symmetric && mirror >= 0 && mirror < row as isize {
                 let from = mirror as usize * columns;
@@ -189,10 +186,8 @@ impl<'a> LobeEstimator<'a> {
                 }
                 continue;
             }
-            let values = [&mut *r, &mut *g, &mut *b].map(|patch| {
-                let line = line(patch);
-                &mut patch.values[line][inside.clone()]
-            });
+            let values = [&mut *r, &mut *g, &mut *b]
+                .map(|patch| &mut patch.values[row * columns..(row + 1) * columns][inside.clone()]);
             self.samples.row(resolution, i, y as usize, first as usize, values);
         }
         for patch in out {
@@ -212,7 +207,7 @@ impl<'a> LobeEstimator<'a> {
         memory: &mut LobeMemory,
         mut add: impl FnMut(Reflected, &mut Energies, &mut LobeMemory),
     ) {
-        let turned = if self.options.estimator.reflections { &[false, true][..] } else { &[false] };
+        let turned = self.options.estimator.turned();
         let mut pair = std::mem::take(&mut memory.pair);
         for &rows in if symmetric { &turned[..1] } else { turned } {
             pair.clear_like(energies, finest_only);
@@ -227,11 +222,6 @@ impl<'a> LobeEstimator<'a> {
         memory.pair = pair;
     }
 
-    /// Share in the average over all reflections.
-    fn weight(&self) -> f32 {
-        if self.options.estimator.reflections { 0.25 } else { 1.0 }
-    }
-
     /// Takes the energies of the finest window in front of those of the coarser resolution.
     fn add_window(&self, symmetric: bool, windows: &[Window], memory: &mut LobeMemory) {
         let finest = windows.len() - 1;
@@ -241,7 +231,7 @@ impl<'a> LobeEstimator<'a> {
             clear_window(&mut energies, 0, &windows[finest], windows.len());
             self.add_reflections(symmetric, &mut energies, true, memory, |reflected, pair, memory| {
                 self.refine(channel, reflected, windows, memory);
-                pair.add_bands(0, &memory.bands[finest], reflected, self.weight());
+                pair.add_bands(0, &memory.bands[finest], reflected, self.options.estimator.weight());
             });
             memory.energies[channel] = energies;
         }
@@ -255,7 +245,7 @@ impl<'a> LobeEstimator<'a> {
             for (level, window) in windows.iter().rev().enumerate() {
                 clear_window(&mut energies, level, window, fine - level);
             }
-            energies.clear_pyramid(fine, BASE, BASE, levels(BASE, BASE));
+            energies.clear_pyramid(fine, BASE, BASE, LEVELS);
             self.add_reflections(symmetric, &mut energies, false, memory, |reflected, pair, memory| {
                 if windows.is_empty() {
                     self.transform_base(channel, reflected, memory);
@@ -264,9 +254,9 @@ impl<'a> LobeEstimator<'a> {
                     memory.pyramid.analyse_rows(&memory.coarse[0].values, BASE, BASE, Border::Reflect);
                 }
                 for (level, bands) in memory.bands[..fine].iter().rev().enumerate() {
-                    pair.add_bands(level, bands, reflected, self.weight());
+                    pair.add_bands(level, bands, reflected, self.options.estimator.weight());
                 }
-                pair.add_pyramid(fine, &memory.pyramid, reflected, self.weight());
+                pair.add_pyramid(fine, &memory.pyramid, reflected, self.options.estimator.weight());
             });
             memory.energies[channel] = energies;
         }
@@ -295,8 +285,8 @@ impl<'a> LobeEstimator<'a> {
         let LobeMemory { base, patches, turned, coarse, smooth, bands, filter, scratch, .. } = memory;
         let [whole, around] = coarse;
         let fine = windows.len();
+        patches[0][channel].reflected(size(1), reflected.columns, reflected.rows, turned);
         if fine == 2 {
-            patches[0][channel].reflected(size(1), reflected.columns, reflected.rows, turned);
             around.resize(
                 turned.top + 2..turned.top + turned.rows as isize - 2,
                 turned.left + 2..turned.left + turned.columns as isize - 2,
@@ -306,8 +296,7 @@ impl<'a> LobeEstimator<'a> {
             turned.trim(2).filter(around, &mut bands[1], filter);
             around.close(size(1));
         } else {
-            patches[0][channel].reflected(size(1), reflected.columns, reflected.rows, turned);
-            around.clone_from(&turned.trim(2));
+            *around = turned.trim(2);
         }
         smooth.resize(-2..BASE as isize + 2, -2..BASE as isize + 2);
         let rows = base[channel].len() / BASE;

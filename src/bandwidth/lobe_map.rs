@@ -68,10 +68,7 @@ impl Rasters {
                 }
             }
         }
-        let kappa = input.estimator.kappa() as f32;
-        for texel in &mut texels {
-            *texel = if *texel == f32::NEG_INFINITY { 0.0 } else { kappa * libm::exp2f(*texel) };
-        }
+        texels.iter_mut().for_each(|texel| *texel = input.estimator.calibrated(*texel));
         if input.symmetric {
             let (upper, lower) = texels.split_at_mut(LOBE_TEXELS * LOBE_TEXELS / 2);
             let upper = upper.chunks_exact(LOBE_TEXELS).rev();

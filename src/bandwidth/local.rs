@@ -88,8 +88,7 @@ impl Estimator {
         let mut pyramid = Pyramid::default();
         let mut energies = Energies::default();
         energies.clear_pyramid(0, rows, columns, count);
-        let turned = if self.reflections { &[false, true][..] } else { &[false] };
-        let weight = 1.0 / (turned.len() * turned.len()) as f32;
+        let (turned, weight) = (self.turned(), self.weight());
         // pairs first: so the sum for a mirrored image is the mirrored sum bit for bit
         let mut pair = Energies::default();
         for &by_rows in turned {
@@ -104,7 +103,6 @@ impl Estimator {
         let axes = [rows, columns].map(|side| Axis::new(side, count, [0.125, 0.375, 0.625, 0.875]));
         let mut map = vec![0.0; rows * columns];
         let all = 0..columns / 4;
-        let kappa = self.kappa() as f32;
         map.par_chunks_mut(columns).enumerate().for_each_init(
             || (Spectra::new(columns, count), vec![0.0; columns / 2 + 4]),
             |(spectra, scratch), (r, out)| {
@@ -117,11 +115,26 @@ impl Estimator {
                 expand_row(&energies.mean, count - 1, (&axes[0], r), (&axes[1], all.clone()), spectra.mean(), scratch);
                 let frequencies = self.frequencies(spectra);
                 for (out, log2) in out.iter_mut().zip(frequencies) {
-                    *out = if *log2 == f32::NEG_INFINITY { 0.0 } else { kappa * libm::exp2f(*log2) };
+                    *out = self.calibrated(*log2);
                 }
             },
         );
         map
+    }
+
+    /// Whether the image is exchanged along a side, for each transform that the average takes.
+    pub(crate) fn turned(&self) -> &'static [bool] {
+        if self.reflections { &[false, true] } else { &[false] }
+    }
+
+    /// Share of one transform in the average over all reflections.
+    pub(crate) fn weight(&self) -> f32 {
+        if self.reflections { 0.25 } else { 1.0 }
+    }
+
+    /// The bandwidth of which [`Self::frequencies`] gives the logarithm, in the unit of that.
+    pub(crate) fn calibrated(&self, log2: f32) -> f32 {
+        if log2 == f32::NEG_INFINITY { 0.0 } else { self.kappa() as f32 * libm::exp2f(log2) }
     }
 
     /// Base 2 logarithms of the bandwidths that belong to the spectra, in cycles per sample of the finest level, before calibration;
