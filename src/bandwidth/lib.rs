@@ -3,7 +3,7 @@
 //! The local bandwidth of a signal is the frequency below which 95 % of its local spectrum lies. [`Estimator`] reads it from the
 //! Daubechies wavelet transform ([`Pyramid`]) of any image: environment maps, area lights, textures. [`LobeEstimator`] does so for the
 //! outgoing lobes of a material on the angular map ([`AngularMap`]), at the resolution that each needs, and [`compute_atlas`] for
-//! all lobes, which an [`Atlas`] holds as the texture that renderers sample. [`exr`], [`ktx2`], [`sidecar`] and [`preview`] write
+//! all lobes, which an [`Atlas`] holds as the texture that renderers sample. [`exr`], [`ktx2`], [`sidecar`] and [`preview()`] write
 //! it, [`shader`] hands out the sampling functions.
 //!
 //! Bandwidths are in cycles per radian, or per sample where no mapping is known. Definitions: docs/theory.md, section 10; measured
@@ -35,7 +35,7 @@ mod lobe_grid;
 mod lobe_map;
 mod local;
 mod mapping;
-mod preview;
+pub mod preview;
 mod pyramid;
 mod refine;
 mod sampling;

@@ -1,7 +1,8 @@
 //! Pictures for people: an atlas with its tiles, and single lobes side by side. Values are lost in them.
 
-mod canvas;
-mod scale;
+pub mod canvas;
+pub mod scale;
+pub mod srgb;
 
 use std::io::Cursor;
 

@@ -2,6 +2,7 @@
 
 use crate::direction::{Direction, direction};
 use crate::lobes::{Directions, Lobes};
+use crate::shading::{self, Shading};
 use std::f64::consts::{FRAC_1_PI, TAU};
 
 /// A bidirectional reflectance distribution function of three colour channels.
@@ -26,6 +27,12 @@ pub trait Brdf: Send + Sync {
     /// Models for which that pays compute here what depends on `o` alone.
     fn lobes<'a>(&'a self, o: &'a Directions) -> Box<dyn Lobes + 'a> {
         Box::new(OneByOne { brdf: self, o })
+    }
+
+    /// Makes the model ready for renderers: many pairs of directions at once in single precision. The density is the one of
+    /// the returned object's own samples, not [`Brdf::pdf`].
+    fn shading(&self) -> Box<dyn Shading + '_> {
+        Box::new(shading::OneByOne(self))
     }
 }
 
@@ -60,5 +67,9 @@ pub struct Lambert {
 impl Brdf for Lambert {
     fn value(&self, i: &Direction, o: &Direction) -> [f64; 3] {
         if i.z > 0.0 && o.z > 0.0 { self.albedo.map(|albedo| albedo * FRAC_1_PI) } else { [0.0; 3] }
+    }
+
+    fn shading(&self) -> Box<dyn Shading + '_> {
+        Box::new(*self)
     }
 }

@@ -50,6 +50,11 @@ impl G1Curve {
         log2_cot * (std::f64::consts::LN_2 / STEP) + OFFSET
     }
 
+    /// `mu = cot theta` between which the curve is neither linear nor zero.
+    pub(crate) fn range(&self) -> [f64; 2] {
+        [0, self.intervals.len()].map(|n| libm::exp((f64::from(self.first) + n as f64 - OFFSET) * STEP))
+    }
+
     /// `mu Lambda` at a position, with `mu = cos theta / sin theta`.
     #[inline]
     pub(crate) fn mu_lambda(&self, position: f64, cos_theta: f64, sin_theta: f64) -> f64 {

@@ -4,6 +4,7 @@ use crate::brdf::{Brdf, cosine_sample};
 use crate::direction::{Direction, reflect};
 use crate::ggx::Ggx;
 use crate::sgd::sine;
+use crate::shading::{GgxShading, Shading};
 use std::f64::consts::FRAC_1_PI;
 
 /// GGX in Cook-Torrance's form with Smith's exact masking of either direction and without a Fresnel term (F = 1):
@@ -30,7 +31,7 @@ impl GgxBrdf {
     }
 
     /// Probability of the specular lobe; the rest goes to the cosine lobe.
-    fn specular_share(&self) -> f64 {
+    pub(crate) fn specular_share(&self) -> f64 {
         let [diffuse, specular] = [self.rho_d, self.rho_s].map(|scale| scale.iter().sum::<f64>());
         if specular > 0.0 { (specular / (specular + diffuse)).clamp(0.1, 0.95) } else { 0.0 }
     }
@@ -64,6 +65,10 @@ impl Brdf for GgxBrdf {
         let jacobian = h.z / (2.0 * h.norm_squared());
         let d = Ggx::new(self.m).d_at_tan_square((h.x * h.x + h.y * h.y) / (h.z * h.z));
         share * d * jacobian + (1.0 - share) * o.z * FRAC_1_PI
+    }
+
+    fn shading(&self) -> Box<dyn Shading + '_> {
+        Box::new(GgxShading::new(self))
     }
 }
 

@@ -14,14 +14,21 @@ mod g1_curve;
 mod gamma;
 mod ggx;
 mod ggx_brdf;
+mod half_vector_sampler;
+mod half_vector_table;
+mod lanes;
 mod lobes;
 mod log_exp;
+mod masking_table;
 mod material;
 #[cfg(feature = "serde")]
 mod material_document;
 mod render;
 mod sgd;
+mod sgd_channel;
 mod sgd_lobes;
+mod sgd_shading;
+mod shading;
 mod shifted_gamma;
 mod smith;
 
@@ -33,11 +40,15 @@ pub use g1_curve::G1Curve;
 pub use gamma::{ln_upper_gamma, upper_gamma};
 pub use ggx::Ggx;
 pub use ggx_brdf::GgxBrdf;
+pub use half_vector_sampler::{HalfVectorSampler, HalfVectors};
+pub use half_vector_table::HalfVectorTable;
+pub use lanes::by_eights;
 pub use lobes::{Directions, Lobes};
 pub use material::SgdMaterial;
 #[cfg(feature = "serde")]
 pub use material_document::{MaterialChannel, MaterialDocument, MaterialError};
 pub use render::RenderSgd;
 pub use sgd::{Configuration, ParameterError, Sgd, SgdParameters, directional_albedo};
+pub use shading::Shading;
 pub use shifted_gamma::ShiftedGamma;
 pub use smith::SmithG1;

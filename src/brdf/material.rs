@@ -7,6 +7,8 @@ use crate::ggx::Ggx;
 use crate::lobes::{Directions, Lobes};
 use crate::sgd::{ParameterError, Sgd, SgdParameters, directional_albedo, sine};
 use crate::sgd_lobes::SgdLobes;
+use crate::sgd_shading::SgdShading;
+use crate::shading::Shading;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Three SGD channels (R, G, B), evaluated with Smith's masking from a tabulated curve (5e-8 relative), sampled through GGX.
@@ -17,6 +19,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 /// with alpha as the width the tail, where most normals lie, is hardly drawn, and single weights reach thousands. And the
 /// density is the full mixture of the three channels' proxies and a cosine lobe (one-sample balance heuristic), so it is above
 /// zero wherever `f` is and the weight `f cos / pdf` contains every Jacobian: `pdf_h D cos theta_h / (4 i.h)`.
+/// [`Brdf::shading`] draws from the tabulated distributions themselves.
 #[derive(Clone, Debug)]
 pub struct SgdMaterial {
     channels: [Channel; 3],
@@ -117,6 +120,10 @@ impl Brdf for SgdMaterial {
 
     fn lobes<'a>(&'a self, o: &'a Directions) -> Box<dyn Lobes + 'a> {
         Box::new(SgdLobes::new(self.channels.each_ref().map(|channel| (&channel.sgd, &channel.curve)), o))
+    }
+
+    fn shading(&self) -> Box<dyn Shading + '_> {
+        Box::new(SgdShading::new(self.channels.each_ref().map(|channel| (&channel.sgd, &channel.curve)), self.specular))
     }
 }
 

@@ -3,15 +3,13 @@
 use crate::direction::Direction;
 use crate::g1_curve::G1Curve;
 use crate::lobes::{Directions, Lobes};
-use crate::log_exp::{exp2, log2};
+use crate::log_exp::log2;
 use crate::sgd::{Sgd, sine};
-use std::f64::consts::{LOG2_E, PI};
+use crate::sgd_channel::{SgdChannel, fifth_of_grazing};
 use wide::f32x8;
 
 /// Directions that are evaluated together.
 const LANES: usize = 8;
-/// `2^LOWEST` is zero in [`exp2`]: where the distribution lies below `2^-126.5` of its maximum it counts as zero.
-const LOWEST: f32 = -127.0;
 /// `tan^2 theta_h` is cut here: even the widest distribution is zero before, and its square stays finite.
 const LARGEST_TAN_SQUARE: f32 = 1e9;
 
@@ -24,33 +22,14 @@ const LARGEST_TAN_SQUARE: f32 = 1e9;
 /// `tan theta_h` of 1e-7 matters: the sum of `i` and `o` is formed with what single precision leaves of `i` and of the length
 /// of `o`. It does not include the distance of up to 6e-8 rad between a direction that is meant and the nearest that
 /// [`Directions`] can hold, which in the core at alpha = 1e-6 moves `f` itself by several percent.
-///
-/// The distribution is evaluated as `P22(t) = P22(t*) 2^e` with `t = tan^2 theta_h`, `t*` where `P22` is largest (0 unless
-/// p < -alpha) and `e = ((t* - t) / alpha) log2(e) + p log2((1 + t*/alpha^2) / (1 + t/alpha^2))`, which loses no digits in the core.
 pub(crate) struct SgdLobes<'a> {
     o: &'a Directions,
     /// Lengths of the directions, less one: rounding leaves some 1e-7.
     excess: Vec<f32>,
     /// `G1(theta_o) / cos theta_o` per channel and direction.
     masking: [Vec<f32>; 3],
-    channels: [Channel<'a>; 3],
-}
-
-/// What does not depend on directions.
-struct Channel<'a> {
-    curve: &'a G1Curve,
-    /// `rho_d / pi`.
-    diffuse: f32,
-    /// `rho_s P22(t*) / pi^2`.
-    specular: f64,
-    /// `e` where t is zero.
-    start: f32,
-    /// `log2(e) / alpha`.
-    decay: f32,
-    inverse_alpha_square: f32,
-    p: f32,
-    f0: f32,
-    f1: f32,
+    curves: [&'a G1Curve; 3],
+    channels: [SgdChannel; 3],
 }
 
 /// One incident direction.
@@ -87,7 +66,13 @@ impl<'a> SgdLobes<'a> {
                 masking[n..n + count].copy_from_slice(&g1_over_cos.as_array()[..count]);
             }
         }
-        Self { o, excess, masking, channels: channels.map(|(sgd, curve)| Channel::new(sgd, curve)) }
+        Self {
+            o,
+            excess,
+            masking,
+            curves: channels.map(|(_, curve)| curve),
+            channels: channels.map(|(sgd, _)| SgdChannel::new(sgd)),
+        }
     }
 
     /// The three channels towards directions in number a multiple of eight: `stored` are their components, excess and masking.
@@ -115,22 +100,13 @@ impl<'a> SgdLobes<'a> {
         let cos_d = (across + along).sqrt() * 0.5;
         let secant = tan_square + 1.0;
         let secant_fourth = secant * secant;
-        let grazing = 1.0 - cos_d;
-        let grazing_square = grazing * grazing;
-        let fifth = grazing_square * grazing_square * grazing;
+        let fifth = fifth_of_grazing(cos_d);
         let above = z.simd_gt(f32x8::ZERO);
         let value = |c: usize| {
             let channel = &self.channels[c];
-            let decayed = channel.start - tan_square * channel.decay;
-            // unless p is below zero the rest of the exponent only lowers it
-            let specular = if channel.p < 0.0 || decayed.simd_gt(f32x8::splat(LOWEST)).any() {
-                let exponent = decayed - log2(tan_square * channel.inverse_alpha_square + 1.0) * channel.p;
-                let lobe = exp2(exponent.fast_max(f32x8::splat(LOWEST)));
-                let fresnel = channel.f0 - cos_d * channel.f1 + fifth * (1.0 - channel.f0);
-                lobe * i.specular[c] * masking[c] * secant_fourth * fresnel
-            } else {
-                f32x8::ZERO
-            };
+            let specular = channel.lobe(tan_square).map_or(f32x8::ZERO, |lobe| {
+                lobe * i.specular[c] * masking[c] * secant_fourth * channel.fresnel(cos_d, fifth)
+            });
             above & (specular + channel.diffuse)
         };
         [value(0), value(1), value(2)]
@@ -144,7 +120,7 @@ impl Lobes for SgdLobes<'_> {
         if i.z <= 0.0 {
             return values.into_iter().for_each(|channel| channel.fill(0.0));
         }
-        let i = Incident::new(i, &self.channels);
+        let i = Incident::new(i, &self.channels, self.curves);
         let [masking_r, masking_g, masking_b] = &self.masking;
         let stored = [&self.o.x, &self.o.y, &self.o.z, &self.excess, masking_r, masking_g, masking_b]
             .map(|numbers| &numbers[first..first + count]);
@@ -167,35 +143,15 @@ impl Lobes for SgdLobes<'_> {
     }
 }
 
-impl<'a> Channel<'a> {
-    fn new(sgd: &Sgd, curve: &'a G1Curve) -> Self {
-        let parameters = sgd.parameters();
-        let (alpha, p) = (parameters.alpha, parameters.p);
-        // d ln P22 / da = -1 - p / a
-        let largest_at = alpha * (-p - alpha).max(0.0);
-        Self {
-            curve,
-            diffuse: (parameters.rho_d / PI) as f32,
-            specular: parameters.rho_s * sgd.distribution().p22(largest_at) / (PI * PI),
-            start: (largest_at / alpha * LOG2_E + p * libm::log2(1.0 + largest_at / (alpha * alpha))) as f32,
-            decay: (LOG2_E / alpha) as f32,
-            inverse_alpha_square: (1.0 / (alpha * alpha)) as f32,
-            p: p as f32,
-            f0: parameters.f0 as f32,
-            f1: parameters.f1 as f32,
-        }
-    }
-}
-
 impl Incident {
-    fn new(i: &Direction, channels: &[Channel<'_>; 3]) -> Self {
+    fn new(i: &Direction, channels: &[SgdChannel; 3], curves: [&G1Curve; 3]) -> Self {
         let rounded = [i.x as f32, i.y as f32, i.z as f32];
         let [cos, sin, position] = place(i.z);
         Self {
             rounded,
             rest: [(i.x - f64::from(rounded[0])) as f32, (i.y - f64::from(rounded[1])) as f32],
-            specular: channels.each_ref().map(|channel| {
-                let specular = channel.specular * channel.curve.g1_over_cos(cos, sin, position);
+            specular: std::array::from_fn(|c| {
+                let specular = channels[c].specular * curves[c].g1_over_cos(cos, sin, position);
                 // finite, as above
                 (specular as f32).clamp(-f32::MAX, f32::MAX)
             }),
@@ -224,6 +180,7 @@ mod tests {
     use crate::direction::{direction, reflect};
     use crate::material::SgdMaterial;
     use crate::sgd::SgdParameters;
+    use std::f64::consts::PI;
 
     const LIMIT: f64 = 0.02;
 

@@ -2,6 +2,7 @@
 
 mod atlas;
 mod fit;
+mod render;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -16,6 +17,7 @@ pub(crate) use crate::words::{Format, SchemaName};
 use crate::words::{LanguageArg, PositionArg};
 pub(crate) use atlas::AtlasArgs;
 pub(crate) use fit::FitArgs;
+pub(crate) use render::RenderArgs;
 
 /// Fit measured isotropic BRDFs (MERL format) with the SGD microfacet model.
 #[derive(Debug, Parser)]
@@ -65,6 +67,8 @@ Examples:
   brdfit fit brdfs -o fits           fit every .binary file in the folder brdfs
   brdfit info brdfs/*.binary         look at files before trusting them
   brdfit atlas fits -o atlases       the bandwidth of each lobe, for a GPU
+  brdfit render scene.json -o scene.exr --png scene.png
+                                     look at materials, shaded where it matters
   brdfit synth fits/x.json -o x.binary
                                      turn a fit back into a MERL file
 `brdfit COMMAND --help` has the options and examples of each command.";
@@ -77,6 +81,9 @@ pub(crate) enum Command {
     /// Precompute the angular bandwidth of every lobe, as a texture
     #[command(after_help = atlas::examples())]
     Atlas(Box<AtlasArgs>),
+    /// Render a scene of fitted and measured materials adaptively
+    #[command(after_help = render::EXAMPLES)]
+    Render(Box<RenderArgs>),
     /// Print the functions that sample an atlas, for a shader
     #[command(after_help = EXPORT_EXAMPLES)]
     Export(ExportArgs),

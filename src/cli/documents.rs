@@ -62,6 +62,11 @@ impl<'a> Document<'a> {
         Ok(Self { bytes, ..document })
     }
 
+    /// The file as it is.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
     /// The whole or, as other members are skipped, a part of it.
     ///
     /// # Errors

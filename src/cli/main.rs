@@ -31,6 +31,11 @@ mod outcome;
 mod output;
 mod picture;
 mod plan;
+mod render;
+mod render_files;
+mod render_plan;
+mod render_scene;
+mod render_stats;
 mod resume;
 mod schema;
 mod summary;
@@ -65,6 +70,7 @@ fn run(cli: &Cli, console: &Console) -> anyhow::Result<Outcome> {
     match &cli.command {
         Command::Fit(args) => fit::run(args, console),
         Command::Atlas(args) => atlas::run(args, console),
+        Command::Render(args) => render::run(args, console),
         Command::Export(args) => export::run(args),
         Command::Info(args) => info::run(args, console),
         Command::Synth(args) => synth::run(args, console),

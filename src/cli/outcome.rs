@@ -83,6 +83,11 @@ impl Problem {
         Self { outcome: Outcome::InputOutput, message: message.into() }
     }
 
+    /// An error with the place where it was found in front; its exit code stays.
+    pub(crate) fn within(error: &anyhow::Error, place: &str) -> Self {
+        Self { outcome: Outcome::of(error), message: format!("{place}: {error:#}") }
+    }
+
     /// A file or folder could not be read (exit code 2).
     pub(crate) fn reading(path: &Path, error: &io::Error) -> Self {
         let what = match error.kind() {

@@ -2,6 +2,7 @@
 
 use brdfit_fit::document::{FitDocument, SummaryDocument};
 use brdfit_merl::Health;
+use brdfit_renderer::SceneDocument;
 use schemars::Schema;
 use schemars::generate::SchemaSettings;
 
@@ -10,6 +11,7 @@ use crate::atlas_files::Sidecar;
 use crate::json;
 use crate::outcome::Outcome;
 use crate::output;
+use crate::render_stats::RenderDocument;
 
 pub(crate) fn run(args: &SchemaArgs) -> anyhow::Result<Outcome> {
     output::deliver(None, &json::to_vec(&schema(args.document)))?;
@@ -22,6 +24,8 @@ fn schema(document: SchemaName) -> Schema {
         SchemaName::Fit => generator.into_root_schema_for::<FitDocument>(),
         SchemaName::Summary => generator.into_root_schema_for::<SummaryDocument>(),
         SchemaName::Atlas => generator.into_root_schema_for::<Sidecar>(),
+        SchemaName::Scene => SceneDocument::schema(),
+        SchemaName::Render => generator.into_root_schema_for::<RenderDocument>(),
         SchemaName::Info => generator.into_root_schema_for::<Vec<Health>>(),
     }
 }

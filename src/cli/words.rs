@@ -4,6 +4,7 @@ use brdfit_bandwidth::exr::Samples;
 use brdfit_bandwidth::{AtlasChannels, Layout, ShaderLanguage};
 use brdfit_fit::{Anchor, Constraint, Loss, Step2Solver};
 use brdfit_merl::SamplePosition;
+use brdfit_renderer::{Allocation, Geometry, Mode, Upsampling};
 use clap::ValueEnum;
 
 /// Documents that have a schema.
@@ -17,6 +18,10 @@ pub(crate) enum SchemaName {
     Info,
     /// <name>.atlas.json of `brdfit atlas`
     Atlas,
+    /// What `brdfit render` reads
+    Scene,
+    /// What `brdfit render --stats` writes
+    Render,
 }
 
 /// How data are printed.
@@ -160,4 +165,82 @@ impl ConstraintArg {
             Self::Free | Self::Paper => Constraint::Free,
         }
     }
+}
+
+words! {
+    /// `--mode`
+    ModeArg => Mode {
+        /// Which pixels are shaded and with how many samples
+        Adaptive => Mode::Adaptive,
+        /// Which pixels are shaded; all with the same number of samples
+        AdaptivePixels => Mode::AdaptivePixels,
+        /// How many samples; every pixel is shaded
+        AdaptiveCounts => Mode::AdaptiveCounts,
+        /// None: every pixel with the same number of samples
+        Reference => Mode::Reference,
+    }
+}
+
+words! {
+    /// `--geometry`
+    GeometryArg => Geometry {
+        /// By the speed of the mirror direction over the image
+        Reflected => Geometry::Reflected,
+        /// By the operators of figure 4 with a band limit that shortens the whole spectrum
+        Operators => Geometry::Operators,
+        /// By the operators as they are printed
+        OperatorsLiteral => Geometry::OperatorsLiteral,
+    }
+}
+
+words! {
+    /// `--allocation`
+    AllocationArg => Allocation {
+        /// By the variance that the pilot measured
+        Variance => Allocation::Variance,
+        /// By the published bound, equation 9
+        Eq9 => Allocation::Printed,
+        /// The same for every point
+        Even => Allocation::Even,
+    }
+}
+
+words! {
+    /// `--upsample`
+    UpsamplingArg => Upsampling {
+        /// By tangent planes and normals, Catmull-Rom on smooth surfaces
+        EdgeAware => Upsampling::EdgeAware,
+        /// By the published Gaussians
+        Paper => Upsampling::Printed,
+    }
+}
+
+/// `--background`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BackgroundArg {
+    /// The light
+    Light,
+    /// Nothing
+    Black,
+}
+
+/// `--layers`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LayerArg {
+    /// All of them
+    All,
+    /// Position, normal, view, albedo, uv, depth, material, curvature
+    Gbuffer,
+    /// Bandwidth of the light in the mirror direction
+    Light,
+    /// Mean, variance and bandwidth that the pilot found
+    Pilot,
+    /// Image-space bandwidth and level
+    Bandwidth,
+    /// State of the cells of each level
+    Decision,
+    /// Level and samples of the shading points
+    List,
+    /// Radiance before the texture
+    Upsampled,
 }

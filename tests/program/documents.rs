@@ -31,7 +31,7 @@ pub(crate) fn assert_valid(name: &str, document: &Value) {
 #[test]
 fn the_published_schemas_are_current() {
     let place = Workplace::new();
-    for name in ["fit", "summary", "info", "atlas"] {
+    for name in ["fit", "summary", "info", "atlas", "scene", "render"] {
         let printed = place.succeed(&format!("schema {name}")).stdout;
         let path = published(name);
         if std::env::var_os(UPDATE).is_some() {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::program::Workplace;
 
 const COMMANDS: [&str; 11] =
-    ["fit", "atlas", "export", "info", "synth", "compare", "merge", "schema", "demo", "completions", "man"];
+    ["fit", "atlas", "render", "export", "info", "synth", "compare", "merge", "schema", "demo", "completions", "man"];
 
 #[test]
 fn the_help_is_as_stored_and_fits_80_columns() {

@@ -1,29 +1,40 @@
-//! Drawing on an image: rectangles, text, discs of texels and colour bars.
+//! Drawing on an image, for pictures that explain: rectangles, text, discs of texels and colour bars.
 
 use image::{Rgb, RgbImage};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 use super::scale::{Scale, ZERO, colour};
 
-pub(super) const BACKGROUND: Rgb<u8> = Rgb([255, 255, 255]);
-pub(super) const INK: Rgb<u8> = Rgb([40, 40, 46]);
-pub(super) const FAINT: Rgb<u8> = Rgb([120, 120, 128]);
-/// Width of a colour bar without its labels.
-const BAR: u32 = 22;
+/// Paper.
+pub const BACKGROUND: Rgb<u8> = Rgb([255, 255, 255]);
+/// Text that matters.
+pub const INK: Rgb<u8> = Rgb([40, 40, 46]);
+/// Text beside it.
+pub const FAINT: Rgb<u8> = Rgb([120, 120, 128]);
+/// Width of a colour bar without its labels, in pixels.
+pub const BAR: u32 = 22;
 
-/// Text sizes, named by what they are for.
-pub(super) const TITLE: RasterHeight = RasterHeight::Size20;
-pub(super) const LABEL: RasterHeight = RasterHeight::Size16;
+/// Height of the text of titles.
+pub const TITLE: RasterHeight = RasterHeight::Size20;
+/// Height of all other text.
+pub const LABEL: RasterHeight = RasterHeight::Size16;
 
 /// Where a text lies relative to the point it is given.
-#[derive(Clone, Copy)]
-pub(super) enum Align {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Align {
+    /// To the right of it.
     Left,
+    /// Centred about it.
     Centre,
+    /// To the left of it.
     Right,
 }
 
-pub(super) fn fill(image: &mut RgbImage, x: u32, y: u32, width: u32, height: u32, colour: Rgb<u8>) {
+/// A filled rectangle with its upper left corner at (x, y).
+///
+/// # Panics
+/// If it does not lie inside the image.
+pub fn fill(image: &mut RgbImage, x: u32, y: u32, width: u32, height: u32, colour: Rgb<u8>) {
     for row in y..y + height {
         for column in x..x + width {
             image.put_pixel(column, row, colour);
@@ -32,12 +43,13 @@ pub(super) fn fill(image: &mut RgbImage, x: u32, y: u32, width: u32, height: u32
 }
 
 /// Width of a text in pixels.
-pub(super) fn text_width(text: &str, size: RasterHeight) -> u32 {
+#[must_use]
+pub fn text_width(text: &str, size: RasterHeight) -> u32 {
     (text.chars().count() * get_raster_width(FontWeight::Regular, size)) as u32
 }
 
 /// One line of text whose upper edge is `y`; what the font lacks becomes a question mark, what does not fit is cut off.
-pub(super) fn text(image: &mut RgbImage, [x, y]: [u32; 2], text: &str, size: RasterHeight, align: Align, ink: Rgb<u8>) {
+pub fn text(image: &mut RgbImage, [x, y]: [u32; 2], text: &str, size: RasterHeight, align: Align, ink: Rgb<u8>) {
     let width = text_width(text, size);
     let mut left = match align {
         Align::Left => x,
@@ -62,7 +74,7 @@ pub(super) fn text(image: &mut RgbImage, [x, y]: [u32; 2], text: &str, size: Ras
 }
 
 /// The disc of an angular map of `n` x `n` values at (x, y), each texel `zoom` x `zoom` pixels, with a smooth edge.
-pub(super) fn disc(
+pub fn disc(
     image: &mut RgbImage,
     [x, y]: [u32; 2],
     n: usize,
@@ -87,7 +99,7 @@ pub(super) fn disc(
 
 /// A vertical colour bar with a tick at every power of two, or at every second or third where they are too many, a plus at
 /// the uppermost where larger values share its colour, and below it the colour of 0. Occupies `height` pixels from y.
-pub(super) fn colour_bar(image: &mut RgbImage, [x, y]: [u32; 2], height: u32, scale: Scale) {
+pub fn colour_bar(image: &mut RgbImage, [x, y]: [u32; 2], height: u32, scale: Scale) {
     let line = LABEL.val() as u32;
     let bar = height - 2 * line;
     for row in 0..bar {
@@ -112,7 +124,7 @@ pub(super) fn colour_bar(image: &mut RgbImage, [x, y]: [u32; 2], height: u32, sc
 /// 2^power as short as it goes: 0.25, 8, 4096.
 fn power_of_two(power: i32) -> String {
     let value = libm::exp2(f64::from(power));
-    if power < -6 { format!("{value:.0e}") } else { format!("{value}") }
+    if !(-6..=23).contains(&power) { format!("{value:.0e}") } else { format!("{value}") }
 }
 
 fn mix(Rgb(a): Rgb<u8>, Rgb(b): Rgb<u8>, t: f32) -> Rgb<u8> {

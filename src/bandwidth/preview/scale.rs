@@ -2,18 +2,20 @@
 
 use image::Rgb;
 
+use super::srgb::byte;
+
 /// Colour of the value 0, which has no logarithm.
-pub(super) const ZERO: Rgb<u8> = Rgb([205, 205, 205]);
+pub const ZERO: Rgb<u8> = Rgb([205, 205, 205]);
 
 /// A logarithmic scale between two powers of two.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Scale {
+pub struct Scale {
     /// Binary logarithm of the smallest value, dark.
-    pub(super) low: i32,
+    pub low: i32,
     /// Binary logarithm of the value from which on all are bright alike.
-    pub(super) high: i32,
+    pub high: i32,
     /// Whether there are larger values.
-    pub(super) beyond: bool,
+    pub beyond: bool,
 }
 
 impl Scale {
@@ -25,7 +27,8 @@ impl Scale {
 
     /// The shortest scale of at least one octave that reaches from the smallest positive value to the one that 99.5 % of
     /// the positive values do not exceed.
-    pub(super) fn of(values: impl Iterator<Item = f32>) -> Self {
+    #[must_use]
+    pub fn of(values: impl Iterator<Item = f32>) -> Self {
         let mut positive: Vec<f32> = values.filter(|&value| value > 0.0).collect();
         if positive.is_empty() {
             return Self { low: 0, high: 1, beyond: false };
@@ -40,12 +43,14 @@ impl Scale {
     }
 
     /// Octaves from one end to the other.
-    pub(super) fn octaves(self) -> i32 {
+    #[must_use]
+    pub fn octaves(self) -> i32 {
         self.high - self.low
     }
 
     /// The colour of a value.
-    pub(super) fn colour(self, value: f32) -> Rgb<u8> {
+    #[must_use]
+    pub fn colour(self, value: f32) -> Rgb<u8> {
         if value > 0.0 { colour((libm::log2f(value) - self.low as f32) / self.octaves() as f32) } else { ZERO }
     }
 }
@@ -53,7 +58,8 @@ impl Scale {
 /// Colours from dark violet through blue and green to light yellow for `t` from 0 to 1: equal steps of t are equal steps of
 /// lightness in the Oklab space (Ottosson 2020, "A perceptual color space for image processing"), here given as lightness,
 /// chroma and hue in radians.
-pub(super) fn colour(t: f32) -> Rgb<u8> {
+#[must_use]
+pub fn colour(t: f32) -> Rgb<u8> {
     let t = t.clamp(0.0, 1.0);
     let lightness = 0.25 + 0.67 * t;
     // as much chroma as sRGB has there: least in the blue-green middle
@@ -65,17 +71,10 @@ pub(super) fn colour(t: f32) -> Rgb<u8> {
     let m = cube(lightness - 0.105_561_346 * a - 0.063_854_17 * b);
     let s = cube(lightness - 0.089_484_18 * a - 1.291_485_5 * b);
     Rgb([
-        encode(4.076_741_7 * l - 3.307_711_6 * m + 0.230_969_94 * s),
-        encode(-1.268_438 * l + 2.609_757_4 * m - 0.341_319_38 * s),
-        encode(-0.004_196_086_3 * l - 0.703_418_6 * m + 1.707_614_7 * s),
+        byte(4.076_741_7 * l - 3.307_711_6 * m + 0.230_969_94 * s),
+        byte(-1.268_438 * l + 2.609_757_4 * m - 0.341_319_38 * s),
+        byte(-0.004_196_086_3 * l - 0.703_418_6 * m + 1.707_614_7 * s),
     ])
-}
-
-/// A linear component as a byte of sRGB (IEC 61966-2-1).
-fn encode(linear: f32) -> u8 {
-    let linear = linear.clamp(0.0, 1.0);
-    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 };
-    (255.0 * encoded).round() as u8
 }
 
 #[cfg(test)]

@@ -61,6 +61,20 @@ fn measured(c: &mut Criterion) {
     group.bench_function("64 x 64 values in double precision", |b| {
         b.iter(|| (0..o.len()).map(|n| model.value(&i, &o.get(n))[1]).sum::<f64>())
     });
+    let shading = model.shading();
+    let o = [0.6_f32, 0.0, 0.8].map(|v| vec![v; 4096]);
+    let o = o.each_ref().map(Vec::as_slice);
+    let u = [0.754_877_67, 0.569_840_3]
+        .map(|step| (0..4096).map(|n| (0.5 + f64::from(n) * step).fract() as f32).collect::<Vec<_>>());
+    let mut i = [0, 1, 2].map(|_| vec![0.0; 4096]);
+    group.bench_function("shading: sample", |b| {
+        b.iter(|| shading.sample(black_box(o), u.each_ref().map(Vec::as_slice), i.each_mut().map(Vec::as_mut_slice)))
+    });
+    let (mut values, mut density) = ([0, 1, 2].map(|_| vec![0.0; 4096]), vec![0.0; 4096]);
+    let i = i.each_ref().map(Vec::as_slice);
+    group.bench_function("shading: evaluate", |b| {
+        b.iter(|| shading.evaluate(black_box(i), o, values.each_mut().map(Vec::as_mut_slice), &mut density))
+    });
     group.finish();
 }
 

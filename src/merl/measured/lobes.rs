@@ -7,7 +7,7 @@ use wide::{f32x4, f32x8};
 use super::table::{H_PER_RADIAN, HALF, LAST, PER_RADIAN, QUARTER, ROWS, Table};
 
 /// Texels from the first to the last of the eight around a point.
-const fn span(width: usize) -> usize {
+pub(super) const fn span(width: usize) -> usize {
     (ROWS + 1) * width + 2
 }
 
@@ -79,15 +79,15 @@ impl Lobes for MeasuredLobes<'_> {
     }
 }
 
-/// An incident direction, each component as the sum of two numbers in single precision: half and difference vectors keep
+/// An incident direction, or eight, each component as the sum of two numbers in single precision: half and difference vectors keep
 /// their relative accuracy where they are short.
-struct Incident {
-    high: [f32x8; 3],
-    low: [f32x8; 3],
+pub(super) struct Incident {
+    pub(super) high: [f32x8; 3],
+    pub(super) low: [f32x8; 3],
 }
 
 /// Where eight points lie in a table: the first of the eight texels around each, and the shares of the later ones.
-struct Coordinates {
+pub(super) struct Coordinates {
     first: [i32; 8],
     shares: [[f32; 8]; 3],
 }
@@ -103,7 +103,7 @@ impl Incident {
 
     /// As [`Table::coordinates`]. Operations without contraction, the same on every machine.
     #[inline]
-    fn coordinates<const WIDTH: usize>(&self, o: [f32x8; 3], short: f32x8, offset: f32) -> Coordinates {
+    pub(super) fn coordinates<const WIDTH: usize>(&self, o: [f32x8; 3], short: f32x8, offset: f32) -> Coordinates {
         let rest = o.map(|v| v * short);
         let [hx, hy, hz] = [0, 1, 2].map(|n: usize| (self.high[n] + o[n]) + (self.low[n] + rest[n]));
         let [dx, dy, dz] = [0, 1, 2].map(|n: usize| (self.high[n] - o[n]) + (self.low[n] - rest[n]));
@@ -130,7 +130,7 @@ impl Incident {
 impl Coordinates {
     /// Per channel the trilinear interpolation at the eight points.
     #[inline]
-    fn look_up<const WIDTH: usize, const SPAN: usize>(&self, texels: &[f32x4]) -> [[f32; 8]; 3] {
+    pub(super) fn look_up<const WIDTH: usize, const SPAN: usize>(&self, texels: &[f32x4]) -> [[f32; 8]; 3] {
         let mut rgb = [[0.0; 8]; 3];
         for n in 0..8 {
             let near: &[f32x4; SPAN] = texels[self.first[n] as usize..].first_chunk().expect("inside the table");

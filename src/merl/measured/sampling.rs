@@ -10,6 +10,8 @@ pub(super) struct Sampling {
     proxy: Ggx,
     /// Probability of the proxy; the rest goes to the cosine lobe.
     specular: f64,
+    /// What is diffuse in the values, 1/sr.
+    floor: f64,
 }
 
 /// Rows of the slice over theta_h, and azimuths of the half vector per half turn, in the estimates.
@@ -34,11 +36,21 @@ impl Sampling {
             .collect();
         let floor = lowest_decile(slice.iter().map(|entry| entry.1));
         let Some(proxy) = proxy(&slice, floor) else {
-            return Self { proxy: Ggx::new(1.0), specular: 0.0 };
+            return Self { proxy: Ggx::new(1.0), specular: 0.0, floor };
         };
         let albedo = albedo_at_45_degrees(f, middle);
         let specular = if albedo > 0.0 { (1.0 - PI * floor / albedo).clamp(0.1, 0.95) } else { 0.0 };
-        Self { proxy, specular }
+        Self { proxy, specular, floor }
+    }
+
+    /// Probability of half vectors; the rest goes to the cosine lobe.
+    pub(super) fn specular(&self) -> f64 {
+        self.specular
+    }
+
+    /// The diffuse part of the values in 1/sr.
+    pub(super) fn floor(&self) -> f64 {
+        self.floor
     }
 
     /// As [`brdfit_brdf::Brdf::sample`].

@@ -1,0 +1,136 @@
+//! From a scene's document to everything that a frame needs: surfaces, light, materials with their atlases.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use brdfit_bandwidth::{Atlas, AtlasChannels, AtlasError, Layout, LobeGrid, LobeOptions, compute_atlas, exr, ktx2};
+use brdfit_brdf::{Brdf, GgxBrdf, Lambert};
+use brdfit_merl::SamplePosition;
+use brdfit_renderer::scene::{MaterialSource, SampleLocation, SceneMaterial};
+use brdfit_renderer::{Light, Scene, SceneDocument, SceneError};
+use tracing::info;
+
+use crate::batch::in_pool;
+use crate::documents::Document;
+use crate::embedded;
+use crate::inputs::{InputFile, Wanted};
+use crate::material_input::{MaterialInput, Reading};
+use crate::outcome::Problem;
+
+/// A scene, ready to be rendered.
+pub(crate) struct LoadedScene {
+    pub(crate) scene: Scene,
+    pub(crate) light: Light,
+    /// In the order of the G-buffer's indices.
+    pub(crate) materials: Vec<LoadedMaterial>,
+    pub(crate) sha256: String,
+}
+
+/// A BRDF and its atlas.
+pub(crate) struct LoadedMaterial {
+    pub(crate) brdf: Box<dyn Brdf>,
+    pub(crate) atlas: Atlas,
+}
+
+/// Where the files are that a scene names.
+struct Folders<'a> {
+    scene: &'a Path,
+    /// Looked at first.
+    materials: Option<&'a Path>,
+}
+
+impl LoadedScene {
+    /// Reads a scene and all that it names. Materials without an atlas get one.
+    ///
+    /// # Errors
+    /// One line with the scene, the path to the member, and what is wrong with it or with the file that it names.
+    pub(crate) fn open(path: &Path, materials: Option<&Path>) -> anyhow::Result<Self> {
+        let document = Document::open(path, "a scene")?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let failed = |error: SceneError| {
+            let message = format!("{}: {error}", path.display());
+            if error.is_invalid_input() { Problem::invalid(message) } else { Problem::input_output(message) }
+        };
+        let described = SceneDocument::read(document.bytes()).map_err(failed)?;
+        let scene = in_pool(|| Scene::load(&described, folder)).map_err(failed)?;
+        info!(triangles = scene.triangle_count(), "surfaces");
+        let folders = Folders { scene: folder, materials };
+        let at = |member: &str| format!("{}: {member}", path.display());
+        let light = in_pool(|| described.light.light(folder, Light::SIZE)).map_err(failed)?;
+        let mut loaded = Vec::new();
+        for name in scene.materials() {
+            let member = at(&format!("materials.{name}"));
+            loaded.push(material(&described.materials[name], &folders, &member)?);
+        }
+        Ok(Self { scene, light, materials: loaded, sha256: document.sha256() })
+    }
+}
+
+/// A material of a scene; `member` names it in messages.
+fn material(document: &SceneMaterial, folders: &Folders<'_>, member: &str) -> anyhow::Result<LoadedMaterial> {
+    let brdf = brdf(&document.source, folders).map_err(|error| Problem::within(&error, &format!("{member}.source")))?;
+    let atlas = match &document.atlas {
+        Some(file) => {
+            let path = folders.find(file);
+            read_atlas(&path).map_err(|problem| Problem::within(&problem.into(), &format!("{member}.atlas")))?
+        }
+        None => {
+            info!(material = member, "no atlas is named; one is computed");
+            let (channels, options) = (AtlasChannels::Max, LobeOptions::default());
+            let grid = LobeGrid::default();
+            in_pool(|| compute_atlas(brdf.as_ref(), true, Layout::Isotropic, channels, &grid, &options))
+                .map_err(|error| Problem::computation(format!("{member}: {error}")))?
+                .0
+                .rounded_up()
+        }
+    };
+    Ok(LoadedMaterial { brdf, atlas })
+}
+
+/// The BRDF that a source names.
+fn brdf(source: &MaterialSource, folders: &Folders<'_>) -> anyhow::Result<Box<dyn Brdf>> {
+    let (input, reading) = match source {
+        MaterialSource::Lambert(albedo) => return Ok(Box::new(Lambert { albedo: *albedo })),
+        MaterialSource::Ggx { rho_d, rho_s, m } => {
+            return Ok(Box::new(GgxBrdf { rho_d: *rho_d, rho_s: *rho_s, m: *m }));
+        }
+        MaterialSource::Embedded(name) => {
+            let material = embedded::material(name).ok_or_else(|| {
+                let names = embedded::names().collect::<Vec<_>>().join(", ");
+                Problem::invalid(format!("no embedded material is called {name}; choose one of {names}"))
+            })?;
+            (MaterialInput::Embedded(material), Reading::default())
+        }
+        MaterialSource::Fit(file) => (MaterialInput::Fit(folders.input(file)?), Reading::default()),
+        MaterialSource::Measured { file, sample_position } => {
+            let sample_position = match sample_position {
+                SampleLocation::Edge => SamplePosition::Edge,
+                SampleLocation::Centre => SamplePosition::Centre,
+            };
+            (MaterialInput::Measured(folders.input(file)?), Reading { sample_position, ..Reading::default() })
+        }
+    };
+    input.open(reading)?.brdf()
+}
+
+impl Folders<'_> {
+    /// The file of this name: among the materials if it is there, else relative to the scene.
+    fn find(&self, file: &str) -> PathBuf {
+        let material = self.materials.map(|folder| folder.join(file));
+        material.filter(|path| path.exists()).unwrap_or_else(|| self.scene.join(file))
+    }
+
+    fn input(&self, file: &str) -> Result<InputFile, Problem> {
+        InputFile::new(self.find(file), Wanted::Materials)
+    }
+}
+
+/// Reads an atlas: OpenEXR by its extension, else KTX2.
+fn read_atlas(path: &Path) -> Result<Atlas, Problem> {
+    let bytes = fs::read(path).map_err(|error| Problem::reading(path, &error))?;
+    let is_exr = path.extension().is_some_and(|extension| extension == "exr");
+    let read = if is_exr { exr::from_bytes(&bytes) } else { ktx2::from_bytes(&bytes) };
+    read.map(|(atlas, _)| atlas).map_err(|error: AtlasError| {
+        Problem::invalid(format!("{}: {error}; make it again with `brdfit atlas`", path.display()))
+    })
+}

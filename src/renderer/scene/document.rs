@@ -1,0 +1,321 @@
+//! The document that describes a scene, as people write it.
+
+use std::collections::BTreeMap;
+
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema};
+use serde::{Deserialize, Serialize};
+
+use super::check::check;
+use super::error::SceneError;
+use crate::procedural::Procedural;
+
+/// A scene: what is seen from where, of which materials, under which light. World: right-handed, +z up. Lengths share one unit of
+/// any size, angles are in degrees, colours are linear R, G, B with the primaries of sRGB. File names are relative to the folder of the scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "brdfit scene")]
+pub struct SceneDocument {
+    /// The schema of this document, for editors; not read.
+    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<String>,
+    /// From where the scene is seen.
+    pub camera: CameraDocument,
+    /// The light, at infinite distance.
+    pub light: LightDocument,
+    /// The materials by name.
+    pub materials: BTreeMap<String, SceneMaterial>,
+    /// The surfaces.
+    pub objects: Vec<ObjectDocument>,
+}
+
+/// A pinhole camera.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CameraDocument {
+    /// Position of the eye.
+    pub eye: [f64; 3],
+    /// The point in the centre of the image.
+    pub target: [f64; 3],
+    /// The direction that points up in the image.
+    #[serde(default = "up")]
+    pub up: [f64; 3],
+    /// Angle between the lower and the upper edge of the image, degrees, 0.01 to 170.
+    pub vertical_fov: f64,
+    /// Columns, 1 to 16384.
+    pub width: usize,
+    /// Rows, 1 to 16384.
+    pub height: usize,
+}
+
+/// What the light is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum LightDocument {
+    /// A picture of all directions by latitude and longitude: the upper row is +z, the middle column +x, +y lies left of it.
+    Environment {
+        /// OpenEXR (.exr) or Radiance (.hdr).
+        file: String,
+        /// Turn about +z, degrees, counter-clockwise seen from above.
+        #[serde(default)]
+        rotation: f64,
+        /// What the radiance is multiplied by.
+        #[serde(default = "one")]
+        scale: f64,
+    },
+    /// A light that the program makes.
+    Procedural {
+        /// Which.
+        kind: Procedural,
+        /// Turn about +z, degrees, counter-clockwise seen from above.
+        #[serde(default)]
+        rotation: f64,
+        /// What the radiance is multiplied by.
+        #[serde(default = "one")]
+        scale: f64,
+    },
+}
+
+/// A material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SceneMaterial {
+    /// Where its BRDF comes from.
+    pub source: MaterialSource,
+    /// Its bandwidth atlas, KTX2 or OpenEXR; computed where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub atlas: Option<String>,
+    /// What the whole BRDF is multiplied by over the surface; 1 where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub albedo: Option<AlbedoDocument>,
+}
+
+/// Where a BRDF comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum MaterialSource {
+    /// The result of a fit, a JSON file.
+    Fit(String),
+    /// A measurement.
+    Measured {
+        /// A file in the MERL format.
+        file: String,
+        /// Where inside its cell a tabulated value lies.
+        #[serde(default)]
+        sample_position: SampleLocation,
+    },
+    /// A published fit that is part of the program, by its name.
+    Embedded(String),
+    /// A diffuse surface of this albedo per channel, 0 to 1.
+    Lambert([f64; 3]),
+    /// A diffuse part and one GGX lobe.
+    Ggx {
+        /// Diffuse albedo per channel, at least 0.
+        rho_d: [f64; 3],
+        /// Specular scale per channel, at least 0.
+        rho_s: [f64; 3],
+        /// Width of the distribution of normals, above 0, at most 10.
+        m: f64,
+    },
+}
+
+/// Where inside its cell a tabulated value of a measurement lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SampleLocation {
+    /// At the lower edge of the cell.
+    #[default]
+    Edge,
+    /// At the middle of the cell.
+    Centre,
+}
+
+/// A factor that varies over a surface, a function of texture coordinates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum AlbedoDocument {
+    /// A picture, repeated, read bilinearly; its lower left corner is at (0, 0).
+    Texture {
+        /// PNG with the sRGB curve.
+        file: String,
+        /// Repetitions per unit of the texture coordinates, above 0.
+        #[serde(default = "one")]
+        scale: f64,
+    },
+    /// A chequerboard.
+    Checker {
+        /// The two colours; the first is at (0, 0).
+        colors: [[f64; 3]; 2],
+        /// Squares per unit of the texture coordinates, above 0.
+        #[serde(default = "eight")]
+        scale: f64,
+    },
+    /// One colour.
+    Constant([f64; 3]),
+}
+
+/// A surface in the scene. The mesh is scaled, then turned, then moved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectDocument {
+    /// Its shape.
+    pub mesh: MeshDocument,
+    /// The name of its material.
+    pub material: String,
+    /// Factor of its size, above 0.
+    #[serde(default = "one")]
+    pub scale: f64,
+    /// Turns about the world's x, then y, then z axis, degrees, counter-clockwise seen against the axis.
+    #[serde(default)]
+    pub rotate: [f64; 3],
+    /// Where its origin goes.
+    #[serde(default)]
+    pub translate: [f64; 3],
+}
+
+/// A shape.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum MeshDocument {
+    /// A sphere; u is the azimuth over a full turn, v runs from the lower to the upper pole.
+    Sphere {
+        /// Its radius, above 0.
+        #[serde(default = "one")]
+        radius: f64,
+    },
+    /// A ring in the x-y plane; u along it, v around it.
+    Torus {
+        /// Distance of the middle of the tube from the z axis.
+        #[serde(default = "one")]
+        radius: f64,
+        /// Radius of the tube, above 0 and below the other.
+        #[serde(default = "torus_tube")]
+        tube: f64,
+    },
+    /// A tube along a knot that winds around a ring in the x-y plane; u along it, v around it.
+    TorusKnot {
+        /// Turns about the z axis, 1 to 16.
+        #[serde(default = "two")]
+        p: u32,
+        /// Turns about the ring, 1 to 16; no common divisor with p.
+        #[serde(default = "three")]
+        q: u32,
+        /// Radius of the ring; the middle of the tube is half of it away from the ring.
+        #[serde(default = "one")]
+        radius: f64,
+        /// Radius of the tube, above 0 and below half the other.
+        #[serde(default = "knot_tube")]
+        tube: f64,
+    },
+    /// A sphere whose distance from the centre varies smoothly and irregularly: bumpy with a small amplitude and a high frequency, a
+    /// blob with a large amplitude and a low frequency. Texture coordinates of the sphere.
+    DisplacedSphere {
+        /// Mean radius, above 0.
+        #[serde(default = "one")]
+        radius: f64,
+        /// Largest displacement as a part of the radius, 0 to 0.9.
+        #[serde(default = "bump_amplitude")]
+        amplitude: f64,
+        /// Bumps per unit of length on the unit sphere, above 0; that of the finest octave at most 32.
+        #[serde(default = "bump_frequency")]
+        frequency: f64,
+        /// Sum of so many displacements, each of twice the frequency and half the amplitude of the one before; 1 to 8.
+        #[serde(default = "one_octave")]
+        octaves: u32,
+        /// Which of the irregular shapes.
+        #[serde(default)]
+        seed: u32,
+    },
+    /// A square in the x-y plane around the origin, its front at +z; u along x and v along y from 0 to 1.
+    Plane {
+        /// Length of a side, above 0.
+        #[serde(default = "two_units")]
+        size: f64,
+    },
+    /// Triangles of a file; its own materials are not used.
+    File {
+        /// Wavefront OBJ (.obj) or glTF 2.0 (.gltf, .glb).
+        path: String,
+        /// The axis of the file that points up.
+        #[serde(default)]
+        up: UpAxis,
+    },
+}
+
+/// The axis of a file that becomes the world's +z.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum UpAxis {
+    /// +y, as glTF prescribes: (x, y, z) becomes (x, -z, y).
+    #[default]
+    Y,
+    /// +z: nothing is changed.
+    Z,
+}
+
+fn up() -> [f64; 3] {
+    [0.0, 0.0, 1.0]
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn two_units() -> f64 {
+    2.0
+}
+
+fn eight() -> f64 {
+    8.0
+}
+
+fn torus_tube() -> f64 {
+    0.4
+}
+
+fn knot_tube() -> f64 {
+    0.25
+}
+
+fn two() -> u32 {
+    2
+}
+
+fn three() -> u32 {
+    3
+}
+
+fn one_octave() -> u32 {
+    1
+}
+
+fn bump_amplitude() -> f64 {
+    0.08
+}
+
+fn bump_frequency() -> f64 {
+    4.0
+}
+
+impl SceneDocument {
+    /// Reads and checks a document: every number, every name of a material. Files are not touched.
+    ///
+    /// # Errors
+    /// [`SceneError::Document`] with the path to the first member that is wrong.
+    pub fn read(json: &[u8]) -> Result<Self, SceneError> {
+        let mut reader = serde_json::Deserializer::from_slice(json);
+        let document: Self = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+            let path = error.path().to_string();
+            SceneError::document(path.as_str(), error.into_inner().to_string())
+        })?;
+        reader.end().map_err(|error| SceneError::document("", error.to_string()))?;
+        check(&document)?;
+        Ok(document)
+    }
+
+    /// The JSON Schema (draft 2020-12) of the document.
+    #[must_use]
+    pub fn schema() -> Schema {
+        SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Self>()
+    }
+}
