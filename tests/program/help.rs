@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use crate::program::Workplace;
 
-const COMMANDS: [&str; 11] =
+const COMMANDS: [&str; 12] =
     ["fit", "atlas", "render", "export", "info", "synth", "compare", "merge", "schema", "demo", "completions", "man"];
 
 #[test]
