@@ -7,6 +7,9 @@ use crate::cells::{Cells, Extent};
 use crate::gbuffer::{BACKGROUND, GBuffer};
 use crate::parents::{Parents, Upsampling};
 
+/// Cells that one thread takes at a time, at least.
+const SPLIT: usize = 4096;
+
 /// What becomes of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
@@ -117,22 +120,20 @@ impl Decisions {
             let (below, above) = self.levels.split_at_mut(k);
             let (children, level) = (&below[k - 1], &mut above[0]);
             let Extent { width, height } = level.extent;
-            let mut least = vec![NO_LEVEL; width * height];
-            for (index, least) in least.iter_mut().enumerate() {
-                *least = children_of(index, width, children.extent)
-                    .map(|child| children.allowed[child])
-                    .min()
-                    .unwrap_or(NO_LEVEL);
-            }
-            for (index, allowed) in level.allowed.iter_mut().enumerate() {
+            let least = |index: usize| {
+                children_of(index, width, children.extent)
+                    .fold(NO_LEVEL, |least, child| least.min(children.allowed[child]))
+            };
+            let least: Vec<u8> = (0..width * height).into_par_iter().with_min_len(SPLIT).map(least).collect();
+            let graded = |(index, allowed): (usize, &mut u8)| {
                 let (x, y) = (index % width, index / width);
-                let around = (y.saturating_sub(1)..(y + 2).min(height))
-                    .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x))
-                    .map(|other| least[other])
-                    .min()
-                    .unwrap_or(NO_LEVEL);
+                let columns = x.saturating_sub(1)..(x + 2).min(width);
+                let around = (y.saturating_sub(1)..(y + 2).min(height)).fold(NO_LEVEL, |around, y| {
+                    least[y * width..][columns.clone()].iter().fold(around, |around, &other| around.min(other))
+                });
                 *allowed = if least[index] == NO_LEVEL { NO_LEVEL } else { least[index].min(around.saturating_add(1)) };
-            }
+            };
+            level.allowed.par_iter_mut().enumerate().with_min_len(SPLIT).for_each(graded);
         }
     }
 
@@ -141,20 +142,21 @@ impl Decisions {
         for k in (0..=COARSEST_LEVEL).rev() {
             let (finer, coarser) = self.levels.split_at_mut(k + 1);
             let (level, above) = (&mut finer[k], coarser.first());
-            let width = level.extent.width;
-            for (index, (state, &allowed)) in level.state.iter_mut().zip(&level.allowed).enumerate() {
-                if allowed == NO_LEVEL {
-                    continue;
+            let (width, allowed) = (level.extent.width, &level.allowed);
+            level.state.par_iter_mut().enumerate().with_min_len(SPLIT).for_each(|(index, state)| {
+                if allowed[index] == NO_LEVEL {
+                    return;
                 }
                 let above = above.map_or(State::Refined, |above| {
                     above.state[(index / width / 2) * above.extent.width + index % width / 2]
                 });
+                let small_enough = || usize::from(allowed[index]) >= k && cells.at(gbuffer, k, index).coherent;
                 *state = match above {
                     State::Leaf | State::Interpolated => State::Interpolated,
-                    _ if k == 0 || (usize::from(allowed) >= k && cells.at(gbuffer, k, index).coherent) => State::Leaf,
+                    _ if k == 0 || small_enough() => State::Leaf,
                     _ => State::Refined,
                 };
-            }
+            });
         }
     }
 
@@ -163,16 +165,16 @@ impl Decisions {
         for k in 1..=COARSEST_LEVEL {
             let (below, above) = self.levels.split_at_mut(k);
             let (children, level) = (&below[k - 1], &mut above[0]);
-            let width = level.extent.width;
-            for index in 0..level.state.len() {
-                if level.state[index] == State::Refined {
+            let (width, state) = (level.extent.width, &level.state);
+            level.pulled.par_iter_mut().enumerate().with_min_len(SPLIT).for_each(|(index, pulled)| {
+                if state[index] == State::Refined {
                     let material = cells.level(k)[index].material;
-                    level.pulled[index] = children_of(index, width, children.extent).any(|child| {
+                    *pulled = children_of(index, width, children.extent).any(|child| {
                         (children.state[child] == State::Leaf || children.pulled[child])
                             && cells.at(gbuffer, k - 1, child).material == material
                     });
                 }
-            }
+            });
         }
     }
 

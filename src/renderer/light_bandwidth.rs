@@ -16,7 +16,7 @@ const ANALYSED: usize = 512;
 /// Level of the light's mips at which they are read.
 const READ_LEVEL: f32 = 0.6;
 /// A reading above this, in cycles per sample and before calibration, counts as infinite.
-const EDGE: f32 = 0.48;
+const EDGE: f32 = 0.16;
 /// The scale across the radius is at least this: it vanishes at the antipode of the chart's centre.
 const SMALLEST_ACROSS: f32 = 0.3;
 
