@@ -102,7 +102,7 @@ pub(crate) enum Command {
     /// Print the JSON Schema of a document
     #[command(after_help = SCHEMA_EXAMPLES)]
     Schema(SchemaArgs),
-    /// Try everything on an embedded material: fit, picture, atlas
+    /// Try everything on an embedded material: fit, atlas, pictures
     #[command(after_help = demo::EXAMPLES)]
     Demo(DemoArgs),
     /// Print a completion script for a shell

@@ -1,5 +1,5 @@
-//! `brdfit demo`: an embedded material becomes a MERL file, the file becomes a fit, both are shown side by side, and the
-//! material becomes a bandwidth atlas.
+//! `brdfit demo`: an embedded material becomes a MERL file, the file becomes a fit, both are shown side by side, the
+//! material becomes a bandwidth atlas, and fit and atlas become a picture.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -14,6 +14,7 @@ use clap::builder::PossibleValuesParser;
 
 use crate::atlas_files::{AtlasJob, AtlasMaker, Sidecar, file_name};
 use crate::console::{Console, Tone};
+use crate::demo_picture::PictureFiles;
 use crate::documents;
 use crate::embedded::{self, Embedded};
 use crate::fit;
@@ -28,8 +29,8 @@ use crate::table::{Align, Table};
 /// Options of `brdfit demo`.
 #[derive(Debug, Args)]
 pub(crate) struct DemoArgs {
-    /// Folder for the MERL file, the fit, the summary, the picture and the
-    /// atlas
+    /// Folder for the MERL file, the fit, the summary, the atlas, the scene
+    /// and the pictures
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
 
@@ -43,7 +44,8 @@ pub(crate) const EXAMPLES: &str = "\
 Examples:
   brdfit demo -o out
   brdfit demo -o out --material polished-metal
-Then look at out/<name>.svg and .atlas.png. The parameters of the materials are invented.";
+Then look at out/<name>.svg, .atlas.png and .render.png. The parameters of the
+materials are invented.";
 
 pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome> {
     let material = embedded::material(&args.material)
@@ -70,14 +72,17 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome>
         return Ok(outcome);
     }
     let atlas = make_atlas(material, &args.output)?;
+    let mapped = start.elapsed();
+    files.rendering.make(material.name)?;
     let total = start.elapsed();
     let document: FitDocument = documents::read(&files.json, "a fit result")?;
     output::print(&report(material, &document, &atlas, &files, console))?;
     console.note(&format!(
-        "{:.2} s to make the file, {:.2} s to fit it, {:.2} s for the atlas, each with writing",
+        "{:.2} s to make the file, {:.2} s to fit it, {:.2} s for the atlas, {:.2} s to render, each with writing",
         made.as_secs_f64(),
         (fitted - made).as_secs_f64(),
-        (total - fitted).as_secs_f64()
+        (mapped - fitted).as_secs_f64(),
+        (total - mapped).as_secs_f64()
     ));
     Ok(outcome)
 }
@@ -109,6 +114,7 @@ struct Files {
     picture: PathBuf,
     atlas: PathBuf,
     preview: PathBuf,
+    rendering: PictureFiles,
     summaries: [PathBuf; 2],
 }
 
@@ -121,6 +127,7 @@ impl Files {
             picture: file("svg"),
             atlas: folder.join(file_name(name, "ktx2")),
             preview: folder.join(file_name(name, "png")),
+            rendering: PictureFiles::new(folder, name),
             summaries: ["summary.json", "summary.csv"].map(|name| folder.join(name)),
         }
     }
@@ -139,10 +146,13 @@ fn report(material: &Embedded, document: &FitDocument, atlas: &Sidecar, files: &
             .collect::<String>()
     };
     let [summary, csv] = &files.summaries;
+    let PictureFiles { scene, picture } = &files.rendering;
     let left = list(&[
+        (picture, "the fit on a sphere, and where the picture was shaded: look at it"),
         (&files.picture, "both slices, measured and fitted: open it in a browser"),
         (&files.preview, "the bandwidth of each lobe: look at it"),
         (&files.atlas, "the same as a texture, beside .exr and .json"),
+        (scene, "the sphere, for brdfit render"),
         (&files.json, "the fit: parameters, errors, curves, how it went"),
         (summary, "the summary of the batch"),
         (csv, "the same as a table"),
@@ -150,7 +160,7 @@ fn report(material: &Embedded, document: &FitDocument, atlas: &Sidecar, files: &
     ]);
     format!(
         "{}: {}\n\n{}\nParameters differ by at most {:.0e} of their value. E, L, C: cosine-weighted, logarithmic and\ncube root error \
-         over the whole grid (docs/theory.md, section 6). The local bandwidth of\nits lobes reaches {:.1} cycles per radian.\n\n{}\n{left}\n{}\n  brdfit fit YOUR_FOLDER -o fits\n  brdfit atlas fits -o atlases\n  brdfit info YOUR_FILE.binary\n  brdfit fit --help\n",
+         over the whole grid (docs/theory.md, section 6). The local bandwidth of\nits lobes reaches {:.1} cycles per radian.\n\n{}\n{left}\n{}\n  brdfit fit YOUR_FOLDER -o fits\n  brdfit atlas fits -o atlases\n  brdfit render {} -o sphere.exr --png sphere.png\n  brdfit info YOUR_FILE.binary\n  brdfit fit --help\n",
         strong(material.name),
         material.description,
         parameters(material, document, console),
@@ -158,6 +168,7 @@ fn report(material: &Embedded, document: &FitDocument, atlas: &Sidecar, files: &
         atlas.atlas.range[1],
         strong("Files"),
         strong("Next"),
+        scene.display(),
     )
 }
 

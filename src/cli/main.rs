@@ -13,6 +13,7 @@ mod compare;
 mod completions;
 mod console;
 mod demo;
+mod demo_picture;
 mod diagnostics;
 mod documents;
 mod embedded;

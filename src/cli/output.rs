@@ -87,6 +87,19 @@ fn fill(file: File, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> i
     out.into_inner().map_err(io::IntoInnerError::into_error)
 }
 
+/// Refuses a path at which no file can appear, before the work for it begins.
+///
+/// # Errors
+/// A folder in its place, or no folder to hold it.
+pub(crate) fn expect_place(path: &Path) -> Result<(), Problem> {
+    let wrong = match path {
+        _ if path.is_dir() => io::ErrorKind::IsADirectory,
+        _ if !parent(path).is_dir() => io::ErrorKind::NotFound,
+        _ => return Ok(()),
+    };
+    Err(Problem::writing(path, &wrong.into()))
+}
+
 /// The folder that a file lies in.
 fn parent(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))

@@ -27,11 +27,8 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<Outcom
     let camera = loaded.scene.camera();
     let size = [camera.width, camera.height];
     let reference = plan.reference.as_deref().map(|path| read_image(path, size)).transpose()?;
-    let frame = in_pool(|| Frame::render(&loaded, &plan));
-    let exposure = plan.exposure.unwrap_or_else(|| {
-        let shown = reference.as_deref().unwrap_or(&frame.radiance);
-        Exposure::of(shown, &frame.gbuffer.foreground())
-    });
+    let frame = in_pool(|| Frame::render(&loaded, &plan.options, plan.frames, plan.repeat));
+    let exposure = plan.exposure.unwrap_or_else(|| frame.exposure(reference.as_deref()));
     let words = [word(args.mode), word(args.geometry), word(args.allocation), word(args.upsample)];
     let scene = SceneEntry { name: file_name(&plan.scene), sha256: loaded.sha256.clone() };
     let options = OptionsEntry::new(&plan.options, plan.frames, words);
@@ -39,7 +36,7 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<Outcom
     if let (Some(reference), Some(path)) = (&reference, &plan.reference) {
         document.quality = Some(quality(&frame, reference, exposure, file_name(path)));
     }
-    let image = with_background(&frame, &loaded.light, plan.background);
+    let image = frame.image(&loaded.light, plan.background);
     render_files::write(&plan, &Rendered { frame: &frame, image: &image, exposure, light: &loaded.light })?;
     if let Some(path) = &plan.files.stats {
         output::deliver(Some(path), &json::to_vec(&document))?;
@@ -63,8 +60,8 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// Renders a scene as often as the plan says.
-    pub(crate) fn render(loaded: &LoadedScene, plan: &RenderPlan) -> Self {
+    /// The mean of so many frames with consecutive seeds, each rendered `repeat` times for the sake of its times.
+    pub(crate) fn render(loaded: &LoadedScene, options: &RenderOptions, frames: u32, repeat: usize) -> Self {
         let start = Instant::now();
         let gbuffer = loaded.scene.gbuffer();
         let mut differentials = Differentials::default();
@@ -85,10 +82,10 @@ impl Frame {
         let mut times: Vec<Times> = Vec::new();
         let mut mean = MeanFrame::default();
         let mut statistics = FrameStatistics::default();
-        for frame in 0..plan.frames {
-            let options = RenderOptions { seed: plan.options.seed.wrapping_add(frame), ..plan.options };
+        for frame in 0..frames {
+            let options = RenderOptions { seed: options.seed.wrapping_add(frame), ..*options };
             let mut radiance = Vec::new();
-            for _ in 0..plan.repeat {
+            for _ in 0..repeat {
                 (radiance, statistics) = renderer.render(&view, &options);
                 times.push(statistics.times);
             }
@@ -97,6 +94,24 @@ impl Frame {
         let times = TimesEntry::new(seen, prepared, &times);
         let (radiance, variance) = mean.finish();
         Self { gbuffer, differentials, light_bandwidth, renderer, radiance, variance, statistics, times }
+    }
+
+    /// What suits the image, or a reference that it is compared with.
+    pub(crate) fn exposure(&self, reference: Option<&[[f32; 3]]>) -> Exposure {
+        Exposure::of(reference.unwrap_or(&self.radiance), &self.gbuffer.foreground())
+    }
+
+    /// The image with what is behind the surfaces.
+    pub(crate) fn image(&self, light: &Light, background: BackgroundArg) -> Vec<[f32; 3]> {
+        let mut image = self.radiance.clone();
+        if background == BackgroundArg::Light {
+            for (pixel, radiance) in image.iter_mut().enumerate() {
+                if self.gbuffer.material[pixel] == BACKGROUND {
+                    *radiance = light.radiance(-self.gbuffer.view[pixel]);
+                }
+            }
+        }
+        image
     }
 }
 
@@ -132,33 +147,21 @@ impl MeanFrame {
     }
 }
 
-/// The image with what is behind the surfaces.
-fn with_background(frame: &Frame, light: &Light, background: BackgroundArg) -> Vec<[f32; 3]> {
-    let mut image = frame.radiance.clone();
-    if background == BackgroundArg::Light {
-        for (pixel, radiance) in image.iter_mut().enumerate() {
-            if frame.gbuffer.material[pixel] == BACKGROUND {
-                *radiance = light.radiance(-frame.gbuffer.view[pixel]);
-            }
-        }
-    }
-    image
-}
-
 /// Comparison over the pixels of surfaces.
 fn quality(frame: &Frame, reference: &[[f32; 3]], exposure: Exposure, name: String) -> QualityEntry {
     let foreground = frame.gbuffer.foreground();
-    let width = frame.gbuffer.width;
-    let psnr = psnr(&frame.radiance, reference, &foreground, exposure);
+    let radiance = &frame.radiance;
+    // FLIP looks at the surroundings of a pixel, and what is behind the surfaces is not compared
+    let reference: Vec<[f32; 3]> =
+        (0..radiance.len()).map(|pixel| if foreground[pixel] { reference[pixel] } else { radiance[pixel] }).collect();
+    let psnr = psnr(radiance, &reference, &foreground, exposure);
+    let flip = flip::flip(radiance, &reference, frame.gbuffer.width, exposure, flip::PIXELS_PER_DEGREE);
     QualityEntry {
         reference: name,
         exposure: exposure.factor(),
         psnr: psnr.is_finite().then_some(psnr),
-        relmse: relmse(&frame.radiance, reference, &foreground, exposure),
-        flip: flip::mean(
-            &flip::flip(&frame.radiance, reference, width, exposure, flip::PIXELS_PER_DEGREE),
-            &foreground,
-        ),
+        relmse: relmse(radiance, &reference, &foreground, exposure),
+        flip: flip::mean(&flip, &foreground),
     }
 }
 
@@ -184,10 +187,8 @@ fn summary(document: &RenderDocument, plan: &RenderPlan) -> String {
 }
 
 /// The word of the command line that a value has.
-fn word(value: impl ValueEnum) -> &'static str {
-    let name = value.to_possible_value().map(|value| value.get_name().to_owned());
-    // a handful of words, once per run
-    Box::leak(name.unwrap_or_default().into_boxed_str())
+fn word(value: impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 fn file_name(path: &Path) -> String {

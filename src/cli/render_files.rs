@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use brdfit_renderer::{
-    COARSEST_LEVEL, Exposure, Film, FilmError, LatLong, Light, Panel, Radiance, Renderer, shown, side_by_side, to_png,
+    COARSEST_LEVEL, Exposure, Film, FilmError, LatLong, Light, Panel, Radiance, shown, side_by_side, to_png,
 };
 
 use crate::outcome::Problem;
@@ -39,16 +39,12 @@ pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Pr
     if let Some(variance) = &frame.variance {
         film = film.scalar("variance", variance.iter().copied());
     }
-    let encoded = |path: &Path, bytes: Result<Vec<u8>, FilmError>| match bytes {
-        Ok(bytes) => output::write(path, &bytes),
-        Err(error) => Err(Problem::computation(format!("{}: {error}", path.display()))),
-    };
     encoded(&files.image, film.to_exr())?;
     if let Some(path) = &files.png {
         encoded(path, to_png(&shown(image, gbuffer.width, *exposure)))?;
     }
     if let Some(path) = &files.map {
-        encoded(path, to_png(&side_by_side("", &shading_panels(&frame.renderer, rendered), 2)))?;
+        write_map(path, "", rendered)?;
     }
     if let Some(path) = &files.light_map {
         encoded(path, light_map(light, frame))?;
@@ -56,15 +52,27 @@ pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Pr
     Ok(())
 }
 
-/// The image and the map of where it was shaded.
-pub(crate) fn shading_panels(renderer: &Renderer, rendered: &Rendered<'_>) -> [Panel; 2] {
-    let gbuffer = &rendered.frame.gbuffer;
+/// Writes the image beside the map of where it was shaded, under a title.
+///
+/// # Errors
+/// What the operating system reports.
+pub(crate) fn write_map(path: &Path, title: &str, rendered: &Rendered<'_>) -> Result<(), Problem> {
+    let Frame { gbuffer, renderer, .. } = rendered.frame;
     let level = |&[level, ..]: &[f32; 3]| if level < 0.0 { u8::MAX } else { (level as u8).min(COARSEST_LEVEL as u8) };
     let levels: Vec<u8> = renderer.shading_of_pixels(gbuffer).iter().map(level).collect();
-    [
+    let panels = [
         Panel::image("image", rendered.image, gbuffer.width, rendered.exposure),
         Panel::levels("shaded once per", &levels, gbuffer.width),
-    ]
+    ];
+    encoded(path, to_png(&side_by_side(title, &panels, 2)))
+}
+
+/// Writes what an encoder made.
+fn encoded(path: &Path, bytes: Result<Vec<u8>, FilmError>) -> Result<(), Problem> {
+    match bytes {
+        Ok(bytes) => output::write(path, &bytes),
+        Err(error) => Err(Problem::computation(format!("{}: {error}", path.display()))),
+    }
 }
 
 /// The light by latitude and longitude, with a layer of its bandwidth.

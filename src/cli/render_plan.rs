@@ -1,12 +1,13 @@
 //! What `brdfit render` is going to do, checked before anything is done.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use brdfit_renderer::{Budget, Exposure, Mode, Pass, Prefilter, RenderOptions};
 
 use crate::args::RenderArgs;
 use crate::inputs::is_same_file;
 use crate::outcome::Problem;
+use crate::output;
 use crate::words::{BackgroundArg, LayerArg, ModeArg};
 
 /// A checked rendering.
@@ -134,11 +135,17 @@ fn passes(layers: &[LayerArg]) -> Vec<Pass> {
     Pass::ALL.into_iter().filter(wanted).collect()
 }
 
-/// Refuses a file that is written twice, or read and written.
+/// Refuses a file that is written twice, read and written, or cannot appear where it should. Only statistics may go to standard
+/// output.
 fn check_places(args: &RenderArgs, files: &RenderTargets) -> Result<(), Problem> {
-    let optional = [&files.png, &files.map, &files.stats, &files.light_map];
+    let printed = Path::new("-");
+    let stats = files.stats.as_ref().filter(|path| *path != printed);
+    let optional = [files.png.as_ref(), files.map.as_ref(), stats, files.light_map.as_ref()];
     let written: Vec<&PathBuf> = std::iter::once(&files.image).chain(optional.into_iter().flatten()).collect();
     for (n, path) in written.iter().enumerate() {
+        if *path == printed {
+            return Err(Problem::usage("-: images do not go to standard output; name a file"));
+        }
         if written[..n].contains(path) {
             return Err(Problem::usage(format!("{}: is to be written twice; choose another name", path.display())));
         }
@@ -147,6 +154,7 @@ fn check_places(args: &RenderArgs, files: &RenderTargets) -> Result<(), Problem>
                 return Err(Problem::usage(format!("{}: would be overwritten; choose another name", path.display())));
             }
         }
+        output::expect_place(path)?;
     }
     Ok(())
 }
@@ -198,6 +206,8 @@ mod tests {
             ("--sampling-rate 0", "--sampling-rate 0"),
             ("--exposure 0", "--exposure 0"),
             ("--png x.exr", "x.exr: is to be written twice"),
+            ("--png - --stats -", "images do not go to standard output"),
+            ("--png no/such/folder.png", "its folder does not exist"),
         ] {
             let message = plan(&format!("brdfit render s.json -o x.exr {options}")).unwrap_err().to_string();
             assert!(message.contains(part), "{options}: {message}");

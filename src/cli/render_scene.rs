@@ -52,39 +52,63 @@ impl LoadedScene {
             if error.is_invalid_input() { Problem::invalid(message) } else { Problem::input_output(message) }
         };
         let described = SceneDocument::read(document.bytes()).map_err(failed)?;
+        let folders = Folders::new(folder, materials)?;
+        let opened: Vec<_> = (described.materials.iter())
+            .map(|(name, material)| {
+                let member = format!("{}: materials.{name}", path.display());
+                Ok((OpenedMaterial::open(material, &folders, &member)?, member))
+            })
+            .collect::<anyhow::Result<_>>()?;
         let scene = in_pool(|| Scene::load(&described, folder)).map_err(failed)?;
         info!(triangles = scene.triangle_count(), "surfaces");
-        let folders = Folders { scene: folder, materials };
-        let at = |member: &str| format!("{}: {member}", path.display());
         let light = in_pool(|| described.light.light(folder, Light::SIZE)).map_err(failed)?;
-        let mut loaded = Vec::new();
-        for name in scene.materials() {
-            let member = at(&format!("materials.{name}"));
-            loaded.push(material(&described.materials[name], &folders, &member)?);
-        }
-        Ok(Self { scene, light, materials: loaded, sha256: document.sha256() })
+        // when all files have been read: atlases take their time, and what is wrong should be known before
+        let materials =
+            opened.into_iter().map(|(opened, member)| opened.complete(&member)).collect::<Result<_, _>>()?;
+        Ok(Self { scene, light, materials, sha256: document.sha256() })
     }
 }
 
-/// A material of a scene; `member` names it in messages.
-fn material(document: &SceneMaterial, folders: &Folders<'_>, member: &str) -> anyhow::Result<LoadedMaterial> {
-    let brdf = brdf(&document.source, folders).map_err(|error| Problem::within(&error, &format!("{member}.source")))?;
-    let atlas = match &document.atlas {
-        Some(file) => {
-            let path = folders.find(file);
-            read_atlas(&path).map_err(|problem| Problem::within(&problem.into(), &format!("{member}.atlas")))?
+/// A material as far as there are files of it.
+struct OpenedMaterial {
+    brdf: Box<dyn Brdf>,
+    atlas: Option<Atlas>,
+}
+
+impl OpenedMaterial {
+    /// Reads the files of a material; `member` names it in messages.
+    fn open(document: &SceneMaterial, folders: &Folders<'_>, member: &str) -> anyhow::Result<Self> {
+        let within = |error: &anyhow::Error, part: &str| Problem::within(error, &format!("{member}.{part}"));
+        let brdf = brdf(&document.source, folders).map_err(|error| within(&error, source_member(&document.source)))?;
+        let atlas = document.atlas.as_ref().map(|file| read_atlas(&folders.find(file)));
+        let atlas = atlas.transpose().map_err(|problem| within(&problem.into(), "atlas"))?;
+        Ok(Self { brdf, atlas })
+    }
+
+    /// The material with its atlas, which is computed where none was named.
+    fn complete(self, member: &str) -> Result<LoadedMaterial, Problem> {
+        let Self { brdf, atlas } = self;
+        if let Some(atlas) = atlas {
+            return Ok(LoadedMaterial { brdf, atlas });
         }
-        None => {
-            info!(material = member, "no atlas is named; one is computed");
-            let (channels, options) = (AtlasChannels::Max, LobeOptions::default());
-            let grid = LobeGrid::default();
-            in_pool(|| compute_atlas(brdf.as_ref(), true, Layout::Isotropic, channels, &grid, &options))
-                .map_err(|error| Problem::computation(format!("{member}: {error}")))?
-                .0
-                .rounded_up()
-        }
-    };
-    Ok(LoadedMaterial { brdf, atlas })
+        info!(material = member, "no atlas is named; one is computed");
+        let (channels, options) = (AtlasChannels::Max, LobeOptions::default());
+        let grid = LobeGrid::default();
+        let (atlas, _) = in_pool(|| compute_atlas(brdf.as_ref(), true, Layout::Isotropic, channels, &grid, &options))
+            .map_err(|error| Problem::computation(format!("{member}: {error}")))?;
+        Ok(LoadedMaterial { brdf, atlas: atlas.rounded_up() })
+    }
+}
+
+/// The member of a material's document that names its BRDF.
+fn source_member(source: &MaterialSource) -> &'static str {
+    match source {
+        MaterialSource::Fit(_) => "source.fit",
+        MaterialSource::Measured { .. } => "source.measured.file",
+        MaterialSource::Embedded(_) => "source.embedded",
+        MaterialSource::Lambert(_) => "source.lambert",
+        MaterialSource::Ggx { .. } => "source.ggx",
+    }
 }
 
 /// The BRDF that a source names.
@@ -113,7 +137,16 @@ fn brdf(source: &MaterialSource, folders: &Folders<'_>) -> anyhow::Result<Box<dy
     input.open(reading)?.brdf()
 }
 
-impl Folders<'_> {
+impl<'a> Folders<'a> {
+    fn new(scene: &'a Path, materials: Option<&'a Path>) -> Result<Self, Problem> {
+        match materials {
+            Some(folder) if !folder.is_dir() => {
+                Err(Problem::input_output(format!("{}: no such folder; check --materials", folder.display())))
+            }
+            _ => Ok(Self { scene, materials }),
+        }
+    }
+
     /// The file of this name: among the materials if it is there, else relative to the scene.
     fn find(&self, file: &str) -> PathBuf {
         let material = self.materials.map(|folder| folder.join(file));
@@ -128,9 +161,7 @@ impl Folders<'_> {
 /// Reads an atlas: OpenEXR by its extension, else KTX2.
 fn read_atlas(path: &Path) -> Result<Atlas, Problem> {
     let bytes = fs::read(path).map_err(|error| Problem::reading(path, &error))?;
-    let is_exr = path.extension().is_some_and(|extension| extension == "exr");
+    let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
     let read = if is_exr { exr::from_bytes(&bytes) } else { ktx2::from_bytes(&bytes) };
-    read.map(|(atlas, _)| atlas).map_err(|error: AtlasError| {
-        Problem::invalid(format!("{}: {error}; make it again with `brdfit atlas`", path.display()))
-    })
+    read.map(|(atlas, _)| atlas).map_err(|error: AtlasError| Problem::invalid(format!("{}: {error}", path.display())))
 }

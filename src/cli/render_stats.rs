@@ -50,7 +50,7 @@ pub(crate) struct SceneEntry {
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct OptionsEntry {
     /// Which parts of the prediction are used.
-    pub(crate) mode: &'static str,
+    pub(crate) mode: String,
     /// Mean samples per pixel that were asked for.
     pub(crate) spp: Option<f64>,
     /// Relative error that was asked for.
@@ -62,13 +62,13 @@ pub(crate) struct OptionsEntry {
     /// Samples of a pilot point.
     pub(crate) pilot_samples: u32,
     /// How bandwidth is carried into the image.
-    pub(crate) geometry: &'static str,
+    pub(crate) geometry: String,
     /// Samples per cycle, over two.
     pub(crate) sampling_rate: f32,
     /// How samples are distributed.
-    pub(crate) allocation: &'static str,
+    pub(crate) allocation: String,
     /// How pixels are filled.
-    pub(crate) upsample: &'static str,
+    pub(crate) upsample: String,
     /// never, always, or the threshold.
     pub(crate) prefilter: String,
 }
@@ -154,7 +154,7 @@ impl RenderDocument {
 
 impl OptionsEntry {
     /// The options by the words that were typed.
-    pub(crate) fn new(options: &RenderOptions, frames: u32, words: [&'static str; 4]) -> Self {
+    pub(crate) fn new(options: &RenderOptions, frames: u32, words: [String; 4]) -> Self {
         let [mode, geometry, allocation, upsample] = words;
         let predicts = options.mode != Mode::Reference;
         Self {

@@ -115,7 +115,7 @@ impl Batch {
             let [u0, u1] = self.u.each_ref().map(|u| &u[drawn..total]);
             light.sample_many([u0, u1], part_mut(&mut self.world, drawn..total));
         }
-        for ((frame, ranges), _) in self.frames.iter().zip(&self.ranges).zip(requests) {
+        for (frame, ranges) in self.frames.iter().zip(&self.ranges) {
             let [brdf, light] = ranges.clone();
             frame.to_world(part(&self.i, brdf.clone()), part_mut(&mut self.world, brdf));
             frame.to_local(part(&self.world, light.clone()), part_mut(&mut self.i, light));

@@ -7,7 +7,7 @@ use std::io;
 #[non_exhaustive]
 pub enum LightError {
     /// The operating system failed to read the file.
-    #[error("{file}: {source}; check the path and the disk")]
+    #[error("{file}: {}; check the path", reason(source))]
     Io {
         /// The file.
         file: String,
@@ -44,6 +44,17 @@ pub enum LightError {
         /// The first value or count that is wrong.
         why: String,
     },
+}
+
+/// What the operating system says, without its number.
+pub(crate) fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        _ if error.raw_os_error().is_none() => error.to_string(),
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => "no such file".to_owned(),
+        io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
+        io::ErrorKind::IsADirectory => "is a folder".to_owned(),
+        _ => format!("cannot be read ({error})"),
+    }
 }
 
 impl LightError {

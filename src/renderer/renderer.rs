@@ -16,7 +16,7 @@ use crate::light::Light;
 use crate::light_bandwidth::LightBandwidth;
 use crate::material::Material;
 use crate::parents::Upsampling;
-use crate::pilot::{Pilot, PilotOptions};
+use crate::pilot::{LEAST_SAMPLES, Pilot, PilotOptions};
 use crate::shading_list::{Shade, ShadingList};
 
 /// Which parts of the algorithm are at work.
@@ -162,8 +162,14 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Renders a frame: outgoing radiance of every pixel of a surface, row-major, in linear sRGB; zeros in the background.
+    /// Renders a frame: outgoing radiance of every pixel of a surface, row-major, in linear sRGB; zeros in the background. The same for
+    /// every number of threads.
+    ///
+    /// # Panics
+    /// If [`Mode::Reference`] is to reach a target error (it predicts none), a pilot point has fewer than
+    /// [`LEAST_SAMPLES`](crate::LEAST_SAMPLES) samples, or the G-buffer counts a material that is not there.
     pub fn render(&mut self, view: &View<'_>, options: &RenderOptions) -> (Vec<[f32; 3]>, FrameStatistics) {
+        assert!(options.pilot_samples >= LEAST_SAMPLES, "{} samples of a pilot point", options.pilot_samples);
         let mut times = Times::default();
         let gbuffer = view.gbuffer;
         let foreground = gbuffer.material.iter().filter(|&&material| material != BACKGROUND).count();
@@ -230,7 +236,7 @@ impl Renderer {
         let points = &mut self.list.points;
         if options.mode == Mode::Reference {
             let Budget::SamplesPerPixel(samples) = options.budget else {
-                unreachable!("without a prediction there is no target error")
+                panic!("without a prediction there is no target error")
             };
             let filtered = options.prefilter == Prefilter::Always;
             points.iter_mut().for_each(|point| {

@@ -16,6 +16,7 @@ mod obj;
 mod patch;
 mod placement;
 mod plane;
+mod reading;
 mod sphere;
 mod surface;
 mod texture;

@@ -36,7 +36,7 @@ fn sparse(place: &Workplace, name: &str, keep: impl Fn(usize, usize) -> bool) {
 }
 
 /// Runs each case `(arguments, exit code, part of the message)` and holds it to what every failure has to keep.
-fn check(place: &Workplace, cases: &[(&str, i32, &str)]) {
+pub(crate) fn check(place: &Workplace, cases: &[(&str, i32, &str)]) {
     for (line, code, part) in cases {
         let before = place.names(".");
         let ran = place.run(line);

@@ -6,8 +6,6 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use super::check::check;
-use super::error::SceneError;
 use crate::procedural::Procedural;
 
 /// A scene: what is seen from where, of which materials, under which light. World: right-handed, +z up. Lengths share one unit of
@@ -104,7 +102,7 @@ pub enum MaterialSource {
         #[serde(default)]
         sample_position: SampleLocation,
     },
-    /// A published fit that is part of the program, by its name.
+    /// A material that the program carries with it, by its name.
     Embedded(String),
     /// A diffuse surface of this albedo per channel, 0 to 1.
     Lambert([f64; 3]),
@@ -298,21 +296,6 @@ fn bump_frequency() -> f64 {
 }
 
 impl SceneDocument {
-    /// Reads and checks a document: every number, every name of a material. Files are not touched.
-    ///
-    /// # Errors
-    /// [`SceneError::Document`] with the path to the first member that is wrong.
-    pub fn read(json: &[u8]) -> Result<Self, SceneError> {
-        let mut reader = serde_json::Deserializer::from_slice(json);
-        let document: Self = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-            let path = error.path().to_string();
-            SceneError::document(path.as_str(), error.into_inner().to_string())
-        })?;
-        reader.end().map_err(|error| SceneError::document("", error.to_string()))?;
-        check(&document)?;
-        Ok(document)
-    }
-
     /// The JSON Schema (draft 2020-12) of the document.
     #[must_use]
     pub fn schema() -> Schema {

@@ -1,6 +1,7 @@
 //! glTF 2.0 files, as text (.gltf) or binary (.glb).
 
 use std::borrow::Cow;
+use std::io;
 use std::path::Path;
 
 use base64::Engine;
@@ -14,6 +15,7 @@ use super::error::FileError;
 use super::mesh::Mesh;
 use super::placement::Placement;
 use crate::Vec3;
+use crate::light_error::reason;
 
 /// Deepest nesting of nodes that is followed.
 const DEEPEST: usize = 256;
@@ -57,6 +59,10 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), String> {
     }
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(|error| error.to_string())?;
     let root = document.into_json();
+    let version = &root.asset.version;
+    if !version.starts_with("2.") {
+        return Err(format!("version {version:?} of the format; only 2.0 and its successors 2.x are known"));
+    }
     let accessors = root.accessors.len();
     for primitive in root.meshes.iter().flat_map(|mesh| &mesh.primitives) {
         if let Some(index) = primitive.attributes.values().find(|index| index.value() >= accessors) {
@@ -79,7 +85,8 @@ fn fetch(uri: &str, folder: &Path) -> Result<Vec<u8>, FileError> {
     }
     let name = percent_encoding::percent_decode_str(uri).decode_utf8();
     let name = name.map_err(|_| FileError::content(format!("buffer {uri:?} is not UTF-8")))?;
-    std::fs::read(folder.join(&*name)).map_err(|error| FileError::content(format!("buffer {name:?}: {error}")))
+    std::fs::read(folder.join(&*name))
+        .map_err(|error| io::Error::new(error.kind(), format!("buffer {name:?}: {}", reason(&error))).into())
 }
 
 /// The way through the nodes, and what it has gathered.
@@ -315,9 +322,19 @@ mod tests {
             why(|d| d["buffers"][0]["uri"] = json!("https://example.org/a.bin")),
             "buffer \"https://example.org/a.bin\" is not a file beside this one"
         );
-        assert!(why(|d| d["buffers"][0]["uri"] = json!("none.bin")).starts_with("buffer \"none.bin\": "));
+        assert_eq!(
+            why(|d| d["asset"]["version"] = json!("1.0")),
+            "not a valid glTF file: version \"1.0\" of the format; only 2.0 and its successors 2.x are known"
+        );
         assert!(why(|d| d["accessors"] = json!([])).starts_with("not a valid glTF file: there is no accessor "));
         assert!(matches!(read(b"{", Path::new(".")), Err(FileError::Content(_))));
+        let mut elsewhere = document();
+        elsewhere["buffers"][0]["uri"] = json!("none.bin");
+        let error = read_json(&elsewhere).unwrap_err();
+        assert!(
+            matches!(&error, FileError::Io(why) if why.to_string() == "buffer \"none.bin\": no such file"),
+            "{error:?}"
+        );
         assert!(matches!(read(b"glTF\x02\0\0\0", Path::new(".")), Err(FileError::Content(_))));
     }
 }
