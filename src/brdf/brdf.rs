@@ -1,9 +1,12 @@
 //! What every reflectance model offers: evaluation, sampling, density.
 
 use crate::direction::{Direction, direction};
+use crate::half_vector_sampler::HalfVectorSampler;
+use crate::lanes::by_eights;
 use crate::lobes::{Directions, Lobes};
-use crate::shading::{self, Shading};
+use crate::shading::Shading;
 use std::f64::consts::{FRAC_1_PI, TAU};
+use wide::f32x8;
 
 /// A bidirectional reflectance distribution function of three colour channels.
 pub trait Brdf: Send + Sync {
@@ -32,7 +35,7 @@ pub trait Brdf: Send + Sync {
     /// Makes the model ready for renderers: many pairs of directions at once in single precision. The density is the one of
     /// the returned object's own samples, not [`Brdf::pdf`].
     fn shading(&self) -> Box<dyn Shading + '_> {
-        Box::new(shading::OneByOne(self))
+        Box::new(PairByPair(self))
     }
 }
 
@@ -50,6 +53,41 @@ impl<B: Brdf + ?Sized> Lobes for OneByOne<'_, B> {
             [*r, *g, *b] = self.brdf.value(i, &self.o.get(first + n)).map(|value| value as f32);
         }
     }
+}
+
+/// [`Shading`] of any model, one pair in double precision after the other.
+///
+/// [`Brdf::sample`] takes three numbers, the first its azimuth, the third its technique: the first of two serves as the third,
+/// and 4096 times it, without its whole part, as the first. Techniques are chosen exactly as often as they should be; azimuths
+/// come in steps of 1/4096 turn.
+struct PairByPair<'a, B: ?Sized>(&'a B);
+
+impl<B: Brdf + ?Sized> Shading for PairByPair<'_, B> {
+    fn sample(&self, o: [&[f32]; 3], u: [&[f32]; 2], i: [&mut [f32]; 3]) {
+        let [x, y, z] = i;
+        assert!(o.iter().chain(&u).all(|numbers| numbers.len() == x.len()), "the arrays differ in length");
+        for n in 0..x.len() {
+            let [choice, radial] = u.map(|u| f64::from(u[n]));
+            let drawn = self.0.sample(&at(o, n), [(choice * 4096.0).fract(), radial, choice]);
+            let drawn = drawn.unwrap_or(Direction::new(0.0, 0.0, -1.0));
+            (x[n], y[n], z[n]) = (drawn.x as f32, drawn.y as f32, drawn.z as f32);
+        }
+    }
+
+    fn evaluate(&self, i: [&[f32]; 3], o: [&[f32]; 3], values: [&mut [f32]; 3], density: &mut [f32]) {
+        let [r, g, b] = values;
+        for n in 0..density.len() {
+            let (i, o) = (at(i, n), at(o, n));
+            [r[n], g[n], b[n]] = self.0.value(&i, &o).map(|value| value as f32);
+            density[n] = self.0.pdf(&o, &i) as f32;
+        }
+    }
+}
+
+/// One entry, of length one again.
+fn at(directions: [&[f32]; 3], n: usize) -> Direction {
+    let [x, y, z] = directions.map(|component| f64::from(component[n]));
+    Direction::new(x, y, z).normalize()
 }
 
 /// A direction with density `cos theta / pi` from two numbers in [0, 1).
@@ -71,5 +109,22 @@ impl Brdf for Lambert {
 
     fn shading(&self) -> Box<dyn Shading + '_> {
         Box::new(*self)
+    }
+}
+
+impl Shading for Lambert {
+    fn sample(&self, o: [&[f32]; 3], u: [&[f32]; 2], i: [&mut [f32]; 3]) {
+        let sampler = HalfVectorSampler::new(None, 0.0);
+        by_eights([o[0], o[1], o[2], u[0], u[1]], i, |[x, y, z, u, v]| sampler.sample([x, y, z], [u, v]));
+    }
+
+    fn evaluate(&self, i: [&[f32]; 3], o: [&[f32]; 3], values: [&mut [f32]; 3], density: &mut [f32]) {
+        let [r, g, b] = values;
+        let value = self.albedo.map(|albedo| (albedo * FRAC_1_PI) as f32);
+        by_eights([i[2], o[2]], [r, g, b, density], |[i, o]| {
+            let above = i.simd_gt(f32x8::ZERO) & o.simd_gt(f32x8::ZERO);
+            [f32x8::splat(value[0]), f32x8::splat(value[1]), f32x8::splat(value[2]), i * std::f32::consts::FRAC_1_PI]
+                .map(|found| above & found)
+        });
     }
 }

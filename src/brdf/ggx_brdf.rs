@@ -3,8 +3,9 @@
 use crate::brdf::{Brdf, cosine_sample};
 use crate::direction::{Direction, reflect};
 use crate::ggx::Ggx;
+use crate::ggx_shading::GgxShading;
 use crate::sgd::sine;
-use crate::shading::{GgxShading, Shading};
+use crate::shading::Shading;
 use std::f64::consts::FRAC_1_PI;
 
 /// GGX in Cook-Torrance's form with Smith's exact masking of either direction and without a Fresnel term (F = 1):
@@ -68,7 +69,7 @@ impl Brdf for GgxBrdf {
     }
 
     fn shading(&self) -> Box<dyn Shading + '_> {
-        Box::new(GgxShading::new(self))
+        Box::new(GgxShading::new(self.rho_d, self.rho_s, self.m, self.specular_share()))
     }
 }
 

@@ -14,6 +14,7 @@ mod g1_curve;
 mod gamma;
 mod ggx;
 mod ggx_brdf;
+mod ggx_shading;
 mod half_vector_sampler;
 mod half_vector_table;
 mod lanes;

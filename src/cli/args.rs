@@ -1,6 +1,8 @@
 //! The command line as it is typed. What it means is decided by `plan` and by the subcommands.
 
 mod atlas;
+mod compare;
+mod demo;
 mod fit;
 mod render;
 
@@ -10,12 +12,12 @@ use std::path::PathBuf;
 use clap::{ArgAction, Args, ColorChoice, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use crate::compare::{self, CompareArgs};
-use crate::demo::{self, DemoArgs};
-use crate::synth;
+use crate::embedded;
 pub(crate) use crate::words::{Format, SchemaName};
 use crate::words::{LanguageArg, PositionArg};
 pub(crate) use atlas::AtlasArgs;
+pub(crate) use compare::CompareArgs;
+pub(crate) use demo::DemoArgs;
 pub(crate) use fit::FitArgs;
 pub(crate) use render::RenderArgs;
 
@@ -91,7 +93,7 @@ pub(crate) enum Command {
     #[command(after_help = INFO_EXAMPLES)]
     Info(InfoArgs),
     /// Make a MERL file from a fit or from an embedded material
-    #[command(after_help = synth::examples())]
+    #[command(after_help = synth_examples())]
     Synth(SynthArgs),
     /// Compare fits with reference fits, with tolerances
     #[command(after_help = compare::EXAMPLES)]
@@ -181,6 +183,16 @@ pub(crate) struct SynthArgs {
     #[arg(long, value_name = "N", default_value_t = 0, requires = "noise", help_heading = "Noise")]
     pub(crate) seed: u64,
 }
+
+/// What stands below the options in the help.
+fn synth_examples() -> String {
+    format!("{SYNTH_EXAMPLES}\n\n{}", embedded::list())
+}
+
+const SYNTH_EXAMPLES: &str = "\
+Examples:
+  brdfit synth fits/gold.json -o gold.binary
+  brdfit synth gold-metallic-paint -o gold.binary --noise 0.05 --seed 7";
 
 /// Options of `brdfit merge`.
 #[derive(Debug, Args)]

@@ -9,10 +9,9 @@ use brdfit_fit::compare::{
     compare,
 };
 use brdfit_fit::document::Failure;
-use clap::Args;
 use serde::Serialize;
 
-use crate::args::Format;
+use crate::args::{CompareArgs, Format};
 use crate::console::{Console, Tone};
 use crate::documents;
 use crate::json;
@@ -20,73 +19,6 @@ use crate::material::PROGRAM;
 use crate::outcome::{Outcome, Problem};
 use crate::output;
 use crate::table::{Align, Table};
-
-/// Options of `brdfit compare`.
-#[derive(Debug, Args)]
-pub(crate) struct CompareArgs {
-    /// A result of `brdfit fit`, or a folder of them
-    #[arg(value_name = "OURS")]
-    pub(crate) ours: PathBuf,
-
-    /// The result to compare with, or a folder with one of the same name
-    /// for each
-    #[arg(value_name = "REFERENCE")]
-    pub(crate) reference: PathBuf,
-
-    /// Text for people, or JSON
-    #[arg(long, value_name = "FORMAT", default_value = "text")]
-    pub(crate) format: Format,
-
-    /// Write to a file instead of standard output
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: Option<PathBuf>,
-
-    /// Hold a cost that is lower than the reference's against us, too
-    #[arg(long, help_heading = TOLERANCES)]
-    pub(crate) two_sided: bool,
-
-    /// Warn where the cost of a step is above the reference's by more
-    #[arg(long, value_name = "X", default_value = "1e-6", value_parser = tolerance, help_heading = TOLERANCES)]
-    pub(crate) cost_warn: f64,
-
-    /// Fail where it is above by more
-    #[arg(long, value_name = "X", default_value = "1e-4", value_parser = tolerance, help_heading = TOLERANCES)]
-    pub(crate) cost_fail: f64,
-
-    /// Warn where E, L or C differ by more
-    #[arg(long, value_name = "X", default_value = "1e-3", value_parser = tolerance, help_heading = TOLERANCES)]
-    pub(crate) errors_warn: f64,
-
-    /// Fail where they differ by more
-    #[arg(long, value_name = "X", default_value = "1e-2", value_parser = tolerance, help_heading = TOLERANCES)]
-    pub(crate) errors_fail: f64,
-
-    /// Warn where a fitted curve differs by more (root mean square)
-    #[arg(long, value_name = "X", default_value = "1e-3", value_parser = tolerance, help_heading = TOLERANCES)]
-    pub(crate) curve_warn: f64,
-
-    /// Fail where it differs by more
-    #[arg(long, value_name = "X", default_value = "1e-2", value_parser = tolerance, help_heading = TOLERANCES)]
-    pub(crate) curve_fail: f64,
-}
-
-const TOLERANCES: &str = "Tolerances (relative; inf switches one off)";
-
-pub(crate) const EXAMPLES: &str = "\
-Examples:
-  brdfit compare fits/gold.json reference/gold.json
-  brdfit compare fits reference --format json -o comparison.json
-The measured slices must be the same to 1e-9. Step 2 is judged where the costs
-of step 1 agree, on which it depends; curves, E, L and C where both do: other
-minima have other curves. Parameters are not compared: different ones can give
-the same curve. Exit code 7 if anything fails.";
-
-fn tolerance(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value >= 0.0 => Ok(value),
-        _ => Err("a tolerance is a number that is not negative, for instance 1e-6".to_owned()),
-    }
-}
 
 pub(crate) fn run(args: &CompareArgs, console: &Console) -> anyhow::Result<Outcome> {
     let tolerances = tolerances(args)?;
@@ -362,13 +294,5 @@ mod tests {
         let cli = Cli::try_parse_from(["brdfit", "compare", "a", "b", "--cost-warn", "1"]).unwrap();
         let Command::Compare(args) = cli.command else { panic!() };
         assert!(tolerances(&args).unwrap_err().to_string().contains("--cost-warn 1 lies above --cost-fail 0.0001"));
-    }
-
-    #[test]
-    fn tolerances_are_numbers() {
-        assert_eq!((tolerance("0"), tolerance("inf")), (Ok(0.0), Ok(f64::INFINITY)));
-        for text in ["-1", "nan", "x", ""] {
-            assert!(tolerance(text).is_err(), "{text}");
-        }
     }
 }

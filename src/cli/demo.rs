@@ -9,9 +9,8 @@ use brdfit_brdf::SgdParameters;
 use brdfit_fit::document::{CHANNELS, FitDocument};
 use brdfit_fit::{FitOptions, synthesise};
 use brdfit_merl::{Dimensions, write_merl};
-use clap::Args;
-use clap::builder::PossibleValuesParser;
 
+use crate::args::DemoArgs;
 use crate::atlas_files::{AtlasJob, AtlasMaker, Sidecar, file_name};
 use crate::console::{Console, Tone};
 use crate::demo_picture::PictureFiles;
@@ -25,27 +24,6 @@ use crate::outcome::{Outcome, Problem};
 use crate::output;
 use crate::plan::{FitPlan, Target};
 use crate::table::{Align, Table};
-
-/// Options of `brdfit demo`.
-#[derive(Debug, Args)]
-pub(crate) struct DemoArgs {
-    /// Folder for the MERL file, the fit, the summary, the atlas, the scene
-    /// and the pictures
-    #[arg(short, long, value_name = "DIR")]
-    pub(crate) output: PathBuf,
-
-    /// Which of the embedded materials
-    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(embedded::names()),
-          default_value = embedded::default_material().name)]
-    pub(crate) material: String,
-}
-
-pub(crate) const EXAMPLES: &str = "\
-Examples:
-  brdfit demo -o out
-  brdfit demo -o out --material polished-metal
-Then look at out/<name>.svg, .atlas.png and .render.png. The parameters of the
-materials are invented.";
 
 pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome> {
     let material = embedded::material(&args.material)

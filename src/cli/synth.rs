@@ -16,16 +16,6 @@ use crate::noise::Noise;
 use crate::outcome::{Outcome, Problem};
 use crate::output;
 
-/// What stands below the options in the help.
-pub(crate) fn examples() -> String {
-    format!("{EXAMPLES}\n\n{}", embedded::list())
-}
-
-const EXAMPLES: &str = "\
-Examples:
-  brdfit synth fits/gold.json -o gold.binary
-  brdfit synth gold-metallic-paint -o gold.binary --noise 0.05 --seed 7";
-
 pub(crate) fn run(args: &SynthArgs, console: &Console) -> anyhow::Result<Outcome> {
     if !(0.0..=10.0).contains(&args.noise) {
         return Err(Problem::usage(format!("--noise {}: must lie between 0 and 10", args.noise)).into());

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::bandwidth_buffer::{BandwidthBuffer, COARSEST_LEVEL, NO_LEVEL};
 use crate::cells::{Cells, Extent};
 use crate::gbuffer::{BACKGROUND, GBuffer};
-use crate::parents::{Parents, Upsampling};
+use crate::parents::{Coarser, Parents, Upsampling};
 
 /// Cells that one thread takes at a time, at least.
 const SPLIT: usize = 4096;
@@ -182,6 +182,8 @@ impl Decisions {
     fn find_parents(&mut self, gbuffer: &GBuffer, cells: &Cells, k: usize, upsampling: Upsampling) {
         let (finer, coarser) = self.levels.split_at_mut(k + 1);
         let (level, above) = (&mut finer[k], &coarser[0]);
+        let has_value = |index: usize| above.has_value(index);
+        let above = Coarser { extent: above.extent, cells: cells.level(k + 1), has_value };
         let width = level.extent.width;
         let rows = level.state.par_chunks_mut(width).zip(level.parents.par_chunks_mut(width));
         rows.enumerate().for_each(|(y, (states, parents))| {
@@ -190,7 +192,7 @@ impl Decisions {
                     continue;
                 }
                 let cell = cells.at(gbuffer, k, y * width + x);
-                match Parents::find(&cell, [x, y], k, above, cells, gbuffer, upsampling) {
+                match Parents::find(&cell, [x, y], k, &above, gbuffer, upsampling) {
                     Some(found) => parents[x] = found,
                     None if k == 0 || (k <= 2 && cell.coherent) => states[x] = State::Orphan,
                     None => states[x] = State::Invalid,

@@ -3,8 +3,7 @@
 
 use wide::f32x4;
 
-use crate::cells::{Cell, Cells};
-use crate::decision::DecisionLevel;
+use crate::cells::{Cell, Extent};
 use crate::gbuffer::GBuffer;
 
 /// A cell whose weights sum to less has nothing to be interpolated from.
@@ -34,6 +33,13 @@ pub enum Upsampling {
     Printed,
 }
 
+/// The level above: its cells, and which of them have a value.
+pub(crate) struct Coarser<'a, F: Fn(usize) -> bool> {
+    pub(crate) extent: Extent,
+    pub(crate) cells: &'a [Cell],
+    pub(crate) has_value: F,
+}
+
 /// Where one cell gets its value from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Parents {
@@ -49,19 +55,17 @@ impl Parents {
         cell: &Cell,
         at: [usize; 2],
         k: usize,
-        above: &DecisionLevel,
-        cells: &Cells,
+        above: &Coarser<'_, impl Fn(usize) -> bool>,
         gbuffer: &GBuffer,
         upsampling: Upsampling,
     ) -> Option<Self> {
-        let coarse = cells.level(k + 1);
         let size = gbuffer.pixel_angle * (1 << (k + 1)) as f32;
         let mut off = [1e9_f32; 4];
         let mut facing = [0.0_f32; 4];
         let mut alpha = [0.0_f32; 4];
         for (n, parent) in linear_parents(at).into_iter().enumerate() {
-            let Some(index) = inside(parent, above).filter(|&index| above.has_value(index)) else { continue };
-            let parent_cell = &coarse[index];
+            let Some(index) = inside(parent, above.extent).filter(|&index| (above.has_value)(index)) else { continue };
+            let parent_cell = &above.cells[index];
             if parent_cell.material != cell.material {
                 continue;
             }
@@ -90,7 +94,7 @@ impl Parents {
         if total <= LEAST_WEIGHT {
             return None;
         }
-        let cubic = upsampling == Upsampling::EdgeAware && is_smooth(cell, at, above, coarse, size);
+        let cubic = upsampling == Upsampling::EdgeAware && is_smooth(cell, at, above, size);
         Some(Self { weights: (weights / total).to_array(), cubic })
     }
 
@@ -138,9 +142,9 @@ fn linear_weight(n: usize, at: [usize; 2]) -> f32 {
 
 /// Index of a parent, if it exists.
 #[inline]
-fn inside([x, y]: [isize; 2], above: &DecisionLevel) -> Option<usize> {
+fn inside([x, y]: [isize; 2], extent: Extent) -> Option<usize> {
     let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
-    (x < above.extent.width && y < above.extent.height).then(|| y * above.extent.width + x)
+    (x < extent.width && y < extent.height).then(|| y * extent.width + x)
 }
 
 /// First column and row of the sixteen parents.
@@ -156,7 +160,7 @@ fn cubic_weights(at: usize) -> [f32; 4] {
 }
 
 /// Whether all sixteen parents have a value and belong to one smooth surface with the cell.
-fn is_smooth(cell: &Cell, at: [usize; 2], above: &DecisionLevel, coarse: &[Cell], size: f32) -> bool {
+fn is_smooth(cell: &Cell, at: [usize; 2], above: &Coarser<'_, impl Fn(usize) -> bool>, size: f32) -> bool {
     let [left, top] = cubic_corner(at);
     let (width, height) = (above.extent.width as isize, above.extent.height as isize);
     if left < 0 || top < 0 || left + 4 > width || top + 4 > height {
@@ -165,10 +169,10 @@ fn is_smooth(cell: &Cell, at: [usize; 2], above: &DecisionLevel, coarse: &[Cell]
     let farthest = CUBIC_PLANE * cell.depth * size;
     (top..top + 4).all(|y| {
         let first = (y * width + left) as usize;
-        coarse[first..first + 4].iter().zip(first..).all(|(parent, index)| {
+        above.cells[first..first + 4].iter().zip(first..).all(|(parent, index)| {
             parent.coherent
                 && parent.material == cell.material
-                && above.has_value(index)
+                && (above.has_value)(index)
                 && parent.normal.dot(&cell.normal) >= CUBIC_NORMAL
                 && (parent.position - cell.position).dot(&cell.normal).abs() <= farthest
         })

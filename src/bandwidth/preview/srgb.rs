@@ -35,7 +35,7 @@ mod tests {
     #[test]
     fn known_values() {
         // 1.055 x 0.5^(1/2.4) - 0.055 and ((0.5 + 0.055)/1.055)^2.4, by mpmath
-        assert!((encode(0.5) - 0.735_356_98).abs() < 2e-7);
+        assert!((encode(0.5) - 0.735_357).abs() < 2e-7);
         assert!((decode(0.5) - 0.214_041_14).abs() < 2e-7);
         // the two branches meet as closely as the rounded constants of the standard allow
         assert!((encode(0.003_130_8) - encode(0.003_130_9)).abs() < 2e-6);

@@ -1,0 +1,29 @@
+//! `brdfit demo` as it is typed.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+
+use crate::embedded;
+
+/// Options of `brdfit demo`.
+#[derive(Debug, Args)]
+pub(crate) struct DemoArgs {
+    /// Folder for the MERL file, the fit, the summary, the atlas, the scene
+    /// and the pictures
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+
+    /// Which of the embedded materials
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(embedded::names()),
+          default_value = embedded::default_material().name)]
+    pub(crate) material: String,
+}
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  brdfit demo -o out
+  brdfit demo -o out --material polished-metal
+Then look at out/<name>.svg, .atlas.png and .render.png. The parameters of the
+materials are invented.";
