@@ -14,9 +14,10 @@ from PIL import Image, ImageDraw, ImageFont
 
 NAMES = ["cc_ibiza_sunset", "chm_mint", "irid_flake_paint1", "satin_rosaline", "vch_silk_blue"]
 SIZE, MARGIN, TITLE = 256, 6, 24
+"""Pixels that are shown; rendered at twice as many along a side, for there is no anti-aliasing."""
 SCENE = {
-    "camera": {"eye": [3.9, 0, 0.9], "target": [0, 0, 0], "vertical_fov": 34, "width": SIZE, "height": SIZE},
-    "light": {"procedural": {"kind": "sky", "rotation": 25}},
+    "camera": {"eye": [3.9, 0, 0.9], "target": [0, 0, 0], "vertical_fov": 34, "width": 2 * SIZE, "height": 2 * SIZE},
+    "light": {"procedural": {"kind": "studio"}},
     "objects": [{"mesh": {"sphere": {}}, "material": "paint"}],
 }
 
@@ -43,7 +44,8 @@ def main():
             reference = work / f"measured-{name}.scene.exr"
             command += ["--reference", reference] if kind == "fitted" else []
             subprocess.run([str(word) for word in command], check=True)
-            sheet.paste(Image.open(shown), (TITLE + column * step, TITLE + row * step))
+            small = Image.open(shown).resize((SIZE, SIZE), Image.Resampling.LANCZOS)
+            sheet.paste(small, (TITLE + column * step, TITLE + row * step))
             if row == 0:
                 draw.text((TITLE + column * step + SIZE / 2, 3), name, "black", font, anchor="ma")
         label = Image.new("RGB", (SIZE, TITLE), "white")
