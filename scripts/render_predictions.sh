@@ -5,4 +5,4 @@
 #     scripts/render_predictions.sh
 source "$(dirname "$0")/render_common.sh"
 "$python" "$root/scripts/prediction_pictures.py" "$brdfit" "$materials" "$kept" "$root/docs/images"
-"$python" "$root/scripts/render_predictions.py" "$brdfit" "$materials" "$kept"
+"$python" "$root/scripts/render_predictions.py" "$brdfit" "$materials" "$kept" "$@"
