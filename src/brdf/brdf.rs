@@ -114,8 +114,7 @@ impl Brdf for Lambert {
 
 impl Shading for Lambert {
     fn sample(&self, o: [&[f32]; 3], u: [&[f32]; 2], i: [&mut [f32]; 3]) {
-        let sampler = HalfVectorSampler::new(None, 0.0);
-        by_eights([o[0], o[1], o[2], u[0], u[1]], i, |[x, y, z, u, v]| sampler.sample([x, y, z], [u, v]));
+        HalfVectorSampler::new(None, 0.0).sample_many(o, u, i);
     }
 
     fn evaluate(&self, i: [&[f32]; 3], o: [&[f32]; 3], values: [&mut [f32]; 3], density: &mut [f32]) {

@@ -1,7 +1,7 @@
 //! Directions drawn by half vectors and by the cosine, eight at a time.
 
 use crate::half_vector_table::HalfVectorTable;
-use crate::lanes::cos_sin_of_turns;
+use crate::lanes::{by_eights, cos_sin_of_turns};
 use std::f32::consts::FRAC_1_PI;
 use wide::f32x8;
 
@@ -64,6 +64,14 @@ impl HalfVectorSampler {
         let h = [sin_h * cos, sin_h * sin, cos_h];
         let twice = (o[0] * h[0] + o[1] * h[1] + o[2] * h[2]) * 2.0;
         [0, 1, 2].map(|axis: usize| specular.select(twice * h[axis] - o[axis], diffuse[axis]))
+    }
+
+    /// [`Self::sample`] for arrays of any length.
+    ///
+    /// # Panics
+    /// If the arrays differ in length.
+    pub fn sample_many(&self, o: [&[f32]; 3], u: [&[f32]; 2], i: [&mut [f32]; 3]) {
+        by_eights([o[0], o[1], o[2], u[0], u[1]], i, |[x, y, z, u, v]| self.sample([x, y, z], [u, v]));
     }
 
     /// The density in 1/sr with which [`Self::sample`] draws directions of these cosines, above zero, with these half vectors.

@@ -11,7 +11,7 @@ use crate::atlas_files::{AtlasJob, sidecar_path};
 use crate::inputs::{self, Wanted, is_same_file};
 use crate::material_input::{MaterialInput, Reading};
 use crate::outcome::Problem;
-use crate::plan::Shard;
+use crate::plan::{Shard, must_lie};
 use crate::words::{ContainerArg, SamplesArg};
 
 /// A checked batch.
@@ -98,14 +98,11 @@ fn files(args: &AtlasArgs) -> Result<Vec<FileContent>, Problem> {
 
 /// How the lobes are estimated.
 fn options(args: &AtlasArgs) -> Result<LobeOptions, Problem> {
-    let must = |option: &str, value: f64, within: bool, range: &str| {
-        if within { Ok(value) } else { Err(Problem::usage(format!("{option} {value}: must lie {range}"))) }
-    };
     let rule = match args.epsilon {
-        Some(e) => Rule::Epsilon(must("--epsilon", e, e > 0.0 && e <= 1.0, "above 0, up to 1")?),
+        Some(e) => Rule::Epsilon(must_lie("--epsilon", e, e > 0.0 && e <= 1.0, "above 0, up to 1")?),
         None => {
             let p = args.percentile;
-            Rule::Percentile(must("--percentile", p, p > 0.0 && p < 100.0, "between 0 and 100")?)
+            Rule::Percentile(must_lie("--percentile", p, p > 0.0 && p < 100.0, "between 0 and 100")?)
         }
     };
     let (delta, share) = (args.delta, args.finest_share);
@@ -113,11 +110,11 @@ fn options(args: &AtlasArgs) -> Result<LobeOptions, Problem> {
     Ok(LobeOptions {
         estimator: Estimator {
             rule,
-            delta: must("--delta", delta, (0.0..1.0).contains(&delta), "from 0 to below 1")?,
+            delta: must_lie("--delta", delta, (0.0..1.0).contains(&delta), "from 0 to below 1")?,
             reflections: !args.no_reflections,
             border: default.estimator.border,
         },
-        finest_share: must("--finest-share", share, (0.0..=1.0).contains(&share), "from 0 to 1")?,
+        finest_share: must_lie("--finest-share", share, (0.0..=1.0).contains(&share), "from 0 to 1")?,
         max_resolution: args.max_resolution,
     })
 }

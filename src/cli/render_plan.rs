@@ -8,7 +8,8 @@ use crate::args::RenderArgs;
 use crate::inputs::is_same_file;
 use crate::outcome::Problem;
 use crate::output;
-use crate::words::{BackgroundArg, LayerArg, ModeArg};
+use crate::plan::must_lie;
+use crate::words::{BackgroundArg, LayerArg};
 
 /// A checked rendering.
 #[derive(Clone, Debug)]
@@ -70,27 +71,24 @@ impl RenderPlan {
 }
 
 fn options(args: &RenderArgs) -> Result<RenderOptions, Problem> {
-    let must = |option: &str, value: f64, within: bool, range: &str| {
-        if within { Ok(value) } else { Err(Problem::usage(format!("{option} {value}: must lie {range}"))) }
-    };
     let mode = Mode::from(args.mode);
     let budget = match args.target_error {
         Some(_) if mode == Mode::Reference => {
             return Err(Problem::usage("--target-error: --mode reference predicts nothing; choose --spp"));
         }
-        Some(e) => Budget::TargetError(must("--target-error", e, e > 0.0 && e <= 10.0, "above 0, up to 10")?),
-        None => Budget::SamplesPerPixel(must(
+        Some(e) => Budget::TargetError(must_lie("--target-error", e, e > 0.0 && e <= 10.0, "above 0, up to 10")?),
+        None => Budget::SamplesPerPixel(must_lie(
             "--spp",
             args.spp,
             args.spp > 0.0 && args.spp <= 65536.0,
             "above 0, up to 65536",
         )?),
     };
-    if args.mode == ModeArg::Reference && args.spp.round() < 1.0 {
+    if mode == Mode::Reference && args.spp.round() < 1.0 {
         return Err(Problem::usage(format!("--spp {}: --mode reference wants at least one sample", args.spp)));
     }
     let rate = f64::from(args.sampling_rate);
-    must("--sampling-rate", rate, (0.01..=100.0).contains(&rate), "from 0.01 to 100")?;
+    must_lie("--sampling-rate", rate, (0.01..=100.0).contains(&rate), "from 0.01 to 100")?;
     Ok(RenderOptions {
         mode,
         budget,

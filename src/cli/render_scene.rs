@@ -1,5 +1,6 @@
 //! From a scene's document to everything that a frame needs: surfaces, light, materials with their atlases.
 
+use std::cell::LazyCell;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -63,8 +64,9 @@ impl LoadedScene {
         info!(triangles = scene.triangle_count(), "surfaces");
         let light = in_pool(|| described.light.light(folder, Light::SIZE)).map_err(failed)?;
         // when all files have been read: atlases take their time, and what is wrong should be known before
+        let grid: LazyCell<LobeGrid> = LazyCell::new(LobeGrid::default);
         let materials =
-            opened.into_iter().map(|(opened, member)| opened.complete(&member)).collect::<Result<_, _>>()?;
+            opened.into_iter().map(|(opened, member)| opened.complete(&member, &grid)).collect::<Result<_, _>>()?;
         Ok(Self { scene, light, materials, sha256: document.sha256() })
     }
 }
@@ -86,15 +88,15 @@ impl OpenedMaterial {
     }
 
     /// The material with its atlas, which is computed where none was named.
-    fn complete(self, member: &str) -> Result<LoadedMaterial, Problem> {
+    fn complete(self, member: &str, grid: &LazyCell<LobeGrid>) -> Result<LoadedMaterial, Problem> {
         let Self { brdf, atlas } = self;
         if let Some(atlas) = atlas {
             return Ok(LoadedMaterial { brdf, atlas });
         }
         info!(material = member, "no atlas is named; one is computed");
         let (channels, options) = (AtlasChannels::Max, LobeOptions::default());
-        let grid = LobeGrid::default();
-        let (atlas, _) = in_pool(|| compute_atlas(brdf.as_ref(), true, Layout::Isotropic, channels, &grid, &options))
+        let grid: &LobeGrid = grid;
+        let (atlas, _) = in_pool(|| compute_atlas(brdf.as_ref(), true, Layout::Isotropic, channels, grid, &options))
             .map_err(|error| Problem::computation(format!("{member}: {error}")))?;
         Ok(LoadedMaterial { brdf, atlas: atlas.rounded_up() })
     }

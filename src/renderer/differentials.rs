@@ -47,9 +47,9 @@ fn at(gbuffer: &GBuffer, x: usize, y: usize) -> (f32, f32) {
     let centre = y * width + x;
     let across = nearer(gbuffer, centre, (x > 0).then(|| centre - 1), (x + 1 < width).then(|| centre + 1));
     let down = nearer(gbuffer, centre, (y > 0).then(|| centre - width), (y + 1 < height).then(|| centre + width));
-    let mirror = mirror_direction(gbuffer, centre);
+    let mirror = gbuffer.mirror_direction(centre);
     let column = |neighbour: Option<usize>| match neighbour {
-        Some(other) => mirror_direction(gbuffer, other) - mirror,
+        Some(other) => gbuffer.mirror_direction(other) - mirror,
         None => Vec3::repeat(ISOLATED),
     };
     let bend = |neighbour: Option<usize>| match neighbour {
@@ -72,12 +72,6 @@ fn nearer(gbuffer: &GBuffer, centre: usize, before: Option<usize>, after: Option
         (Some(before), Some(after)) => Some(if step(after) < step(before) { after } else { before }),
         (before, after) => before.or(after),
     }
-}
-
-/// The view mirrored at the normal, unit length.
-fn mirror_direction(gbuffer: &GBuffer, pixel: usize) -> Vec3 {
-    let (n, v) = (&gbuffer.normal[pixel], &gbuffer.view[pixel]);
-    n * (2.0 * n.dot(v)) - v
 }
 
 /// Largest singular value of the matrix with these two columns.

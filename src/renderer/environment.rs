@@ -5,10 +5,10 @@
 //! from +x towards +y is `phi = pi - 2 pi (c + 1/2) / w`, at the centre of row r of h the angle from +z is `theta = pi (r + 1/2) / h`.
 
 use crate::Vec3;
+use crate::film::read_colours;
 use crate::light::{Light, is_radiance, texel_means};
 use crate::light_error::LightError;
 use exr::error::Error as ExrError;
-use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel};
 use image::ImageDecoder;
 use rayon::prelude::*;
 use std::f32::consts::{PI, TAU};
@@ -148,8 +148,7 @@ impl LatLong {
         // the largest texels measure sqrt(4 3^(3/2)) / n radians
         let places = (4.0 * 4.56 / n as f32 * self.height as f32 / PI).ceil() as usize;
         let (sin, cos) = (libm::sinf(rotation), libm::cosf(rotation));
-        let radiance =
-            |d: Vec3| self.radiance(Vec3::new(cos * d.x + sin * d.y, cos * d.y - sin * d.x, d.z)).map(|x| x * scale);
+        let radiance = |d: Vec3| self.radiance(turned_back(d, [cos, sin])).map(|x| x * scale);
         Light::from_octahedral(n, texel_means(n, places.clamp(2, MOST_PLACES), radiance))
     }
 }
@@ -183,6 +182,11 @@ impl Light {
     }
 }
 
+/// Where a direction was before a turn about +z, from +x towards +y, by the angle of this cosine and sine.
+pub(crate) fn turned_back(d: Vec3, [cos, sin]: [f32; 2]) -> Vec3 {
+    Vec3::new(cos * d.x + sin * d.y, cos * d.y - sin * d.x, d.z)
+}
+
 type Pixels = (usize, usize, Vec<[f32; 3]>);
 
 fn check_size(width: usize, height: usize, file: &str) -> Result<(), LightError> {
@@ -212,23 +216,8 @@ fn read_exr(bytes: &[u8], file: &str) -> Result<Pixels, LightError> {
         let why = "it has no channels R, G and B".to_owned();
         return Err(LightError::Unsupported { file: file.to_owned(), why });
     }
-    let image = exr::image::read::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .specific_channels()
-        .required("R")
-        .required("G")
-        .required("B")
-        .collect_pixels(
-            // what no block fills stays no number and is refused
-            |size, _| (size.width(), vec![[f32::NAN; 3]; size.area()]),
-            |(width, pixels), at, (r, g, b): (f32, f32, f32)| pixels[at.y() * *width + at.x()] = [r, g, b],
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(refuse)?;
-    let (width, pixels) = image.layer_data.channel_data.pixels;
+    // what no block fills stays no number and is refused
+    let (width, pixels) = read_colours(bytes, f32::NAN).map_err(refuse)?;
     Ok((width, pixels.len() / width, pixels))
 }
 

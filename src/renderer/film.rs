@@ -126,11 +126,6 @@ impl Film {
         self
     }
 
-    /// The names of the channels in the order in which they were added.
-    pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.channels.iter().map(|(name, _)| name.as_str())
-    }
-
     /// The OpenEXR file as bytes, the same for every number of threads.
     ///
     /// # Errors
@@ -195,23 +190,7 @@ impl Radiance {
         if meta.headers.iter().any(|header| header.layer_size.area() > MOST_ROWS * MOST_ROWS) {
             return Err(FilmError::Unsupported(format!("it has more than {MOST_ROWS} x {MOST_ROWS} pixels")));
         }
-        let image = read()
-            .no_deep_data()
-            .largest_resolution_level()
-            .specific_channels()
-            .required("R")
-            .required("G")
-            .required("B")
-            .collect_pixels(
-                |size, _| (size.width(), vec![[0.0; 3]; size.area()]),
-                |(width, pixels): &mut (usize, Vec<[f32; 3]>), at, (r, g, b): (f32, f32, f32)| {
-                    pixels[at.y() * *width + at.x()] = [r, g, b];
-                },
-            )
-            .first_valid_layer()
-            .all_attributes()
-            .from_buffered(Cursor::new(bytes))?;
-        let (_, pixels) = image.layer_data.channel_data.pixels;
+        let (_, pixels) = read_colours(bytes, 0.0)?;
         for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
             check(name, pixels.iter().map(|pixel| pixel[c]), width, f32::is_finite)?;
         }
@@ -226,6 +205,28 @@ impl Radiance {
         let (found, expected) = ([self.width, self.height], [width, height]);
         if found == expected { Ok(self) } else { Err(FilmError::Size { found, expected }) }
     }
+}
+
+/// Width and pixels of the channels R, G and B of the first part of an OpenEXR file that has them; what no block of the file
+/// fills stays `unfilled`.
+pub(crate) fn read_colours(bytes: &[u8], unfilled: f32) -> ::exr::error::Result<(usize, Vec<[f32; 3]>)> {
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .specific_channels()
+        .required("R")
+        .required("G")
+        .required("B")
+        .collect_pixels(
+            move |size, _| (size.width(), vec![[unfilled; 3]; size.area()]),
+            |(width, pixels): &mut (usize, Vec<[f32; 3]>), at, (r, g, b): (f32, f32, f32)| {
+                pixels[at.y() * *width + at.x()] = [r, g, b];
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(Cursor::new(bytes))?;
+    Ok(image.layer_data.channel_data.pixels)
 }
 
 /// Finds the first value that is not allowed.

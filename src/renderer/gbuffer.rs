@@ -34,3 +34,11 @@ pub struct GBuffer {
     /// What the whole BRDF is multiplied by, per channel: the material's texture or 1.
     pub albedo: Vec<[f32; 3]>,
 }
+
+impl GBuffer {
+    /// The view of a pixel mirrored at its normal, `2 (n.v) n - v`, unit length.
+    pub(crate) fn mirror_direction(&self, pixel: usize) -> Vec3 {
+        let (n, v) = (&self.normal[pixel], &self.view[pixel]);
+        n * (2.0 * n.dot(v)) - v
+    }
+}

@@ -27,8 +27,7 @@ const SMALLEST_ACROSS: f32 = 0.3;
 /// analysed by [`Estimator`] with its defaults (512 x 512 samples, 7 levels, to 4 x 4). Readings are divided by the geometric mean
 /// of the chart's scales along and across the radius and reduced to 256 x 256 by the maximum; a look-up takes the nearest.
 ///
-/// Reading at mip 0.6 blurs: a step of a light with 512 x 512 texels reads a third of a cycle per sample before calibration, 10 to 25
-/// cycles per radian. Readings above half of that, some 11 calibrated cycles per radian, count as the
+/// Reading at mip 0.6 blurs, and edges of a light are as soft as its texels. Readings above some 11 cycles per radian count as the
 /// edges that they mostly are.
 ///
 /// Accuracy: that of the estimator (docs/accuracy.md), and up to a factor of 1.25 at the horizon, where the scales differ by 1.6.

@@ -60,8 +60,7 @@ impl Renderer {
                 "light",
                 ["NU"],
                 pixels.map(|pixel| {
-                    let (n, v) = (gbuffer.normal[pixel], gbuffer.view[pixel]);
-                    let bandwidth = light_bandwidth.at(n * (2.0 * n.dot(&v)) - v);
+                    let bandwidth = light_bandwidth.at(gbuffer.mirror_direction(pixel));
                     let shown = if bandwidth.is_finite() { bandwidth } else { -1.0 };
                     [if gbuffer.material[pixel] == BACKGROUND { 0.0 } else { shown }]
                 }),

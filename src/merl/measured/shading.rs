@@ -59,7 +59,7 @@ impl<'a> MeasuredShading<'a> {
 
 impl Shading for MeasuredShading<'_> {
     fn sample(&self, o: [&[f32]; 3], u: [&[f32]; 2], i: [&mut [f32]; 3]) {
-        by_eights([o[0], o[1], o[2], u[0], u[1]], i, |[x, y, z, u, v]| self.sampler.sample([x, y, z], [u, v]));
+        self.sampler.sample_many(o, u, i);
     }
 
     fn evaluate(&self, i: [&[f32]; 3], o: [&[f32]; 3], values: [&mut [f32]; 3], density: &mut [f32]) {

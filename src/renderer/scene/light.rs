@@ -5,7 +5,7 @@ use std::path::Path;
 use super::document::LightDocument;
 use super::error::{Field, SceneError};
 use crate::Vec3;
-use crate::environment::LatLong;
+use crate::environment::{LatLong, turned_back};
 use crate::light::Light;
 use crate::light_error::LightError;
 
@@ -24,8 +24,7 @@ impl LightDocument {
             }
             Self::Procedural { kind, rotation, scale } => {
                 let (sin, cos) = (libm::sin(rotation.to_radians()) as f32, libm::cos(rotation.to_radians()) as f32);
-                let turned = |d: Vec3| Vec3::new(cos * d.x + sin * d.y, cos * d.y - sin * d.x, d.z);
-                let radiance = |d: Vec3| kind.radiance(turned(d)).map(|value| value * *scale as f32);
+                let radiance = |d: Vec3| kind.radiance(turned_back(d, [cos, sin])).map(|value| value * *scale as f32);
                 Light::from_fn(n, radiance).map_err(failed("light.procedural"))
             }
         }
