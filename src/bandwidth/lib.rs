@@ -21,41 +21,24 @@
 #![forbid(unsafe_code)]
 
 mod atlas;
-mod error;
-pub mod exr;
-mod half_up;
-pub mod ktx2;
-pub mod sidecar;
-
-mod compute;
-mod energy;
-mod expand;
 mod lobe;
-mod lobe_grid;
-mod lobe_map;
-mod local;
-mod mapping;
 pub mod preview;
-mod pyramid;
-mod refine;
-mod sampling;
-mod shader;
-mod spectrum;
-mod vectorise;
 mod wavelet;
-mod window;
 
-pub use atlas::{Atlas, AtlasChannels, LARGEST, LEVELS, Layout, Level, SIZE, TILE, TILES, UNITS, level_size};
-pub use compute::{compute_atlas, incident_direction};
-pub use error::AtlasError;
-pub use half_up::half_up;
-pub use lobe::{Lobe, LobeEstimator, LobeMemory, LobeOptions};
-pub use lobe_grid::{LOBE_TEXELS, LobeGrid};
-pub use local::{Estimator, samples_per_unit};
-pub use mapping::{AngularMap, COS_RIM, direction_to_position, mapping_scale, position_to_direction};
+pub use atlas::compute::{compute_atlas, incident_direction};
+pub use atlas::error::AtlasError;
+pub use atlas::exr;
+pub use atlas::f16_round_up::f16_rounded_up;
+pub use atlas::ktx2;
+pub use atlas::sampling::AtlasPlace;
+pub use atlas::shader::{ShaderLanguage, shader};
+pub use atlas::sidecar;
+pub use atlas::texture::{Atlas, AtlasChannels, LARGEST, LEVELS, Layout, Level, SIZE, TILE, TILES, UNITS, level_size};
+pub use lobe::estimate::{Lobe, LobeEstimator, LobeMemory, LobeOptions};
+pub use lobe::grid::{LOBE_TEXELS, LobeGrid};
+pub use lobe::mapping::{AngularMap, COS_RIM, direction_to_position, mapping_scale, position_to_direction};
 pub use preview::{Disc, discs, png_bytes, preview};
-pub use pyramid::{Bands, COARSEST, Pyramid, levels};
-pub use sampling::AtlasPlace;
-pub use shader::{ShaderLanguage, shader};
-pub use spectrum::Rule;
-pub use wavelet::{Border, HIGH, LOW, Real, analyse, synthesise};
+pub use wavelet::daubechies::{Border, HIGH, LOW, Real, analyse, synthesise};
+pub use wavelet::local_bandwidth::{Estimator, samples_per_unit};
+pub use wavelet::pyramid::{Bands, COARSEST, Pyramid, levels};
+pub use wavelet::spectrum::Rule;

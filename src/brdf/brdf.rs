@@ -1,10 +1,10 @@
 //! What every reflectance model offers: evaluation, sampling, density.
 
-use crate::direction::{Direction, direction};
-use crate::half_vector_sampler::HalfVectorSampler;
-use crate::lanes::by_eights;
-use crate::lobes::{Directions, Lobes};
-use crate::shading::Shading;
+use crate::batch::fixed_outgoing::{Directions, Lobes};
+use crate::batch::half_vector_sampler::HalfVectorSampler;
+use crate::batch::shading::Shading;
+use crate::math::direction::{Direction, direction};
+use crate::math::simd::by_eights;
 use std::f64::consts::{FRAC_1_PI, TAU};
 use wide::f32x8;
 

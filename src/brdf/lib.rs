@@ -5,51 +5,31 @@
 //! The equations with their sources are in `docs/theory.md`.
 #![forbid(unsafe_code)]
 
+mod batch;
 mod brdf;
-mod direction;
-mod dual;
-mod fresnel;
-mod g1_closed_form;
-mod g1_curve;
-mod gamma;
-mod ggx;
-mod ggx_brdf;
-mod ggx_shading;
-mod half_vector_sampler;
-mod half_vector_table;
-mod lanes;
-mod lobes;
-mod log_exp;
-mod masking_table;
-mod material;
-#[cfg(feature = "serde")]
-mod material_document;
-mod render;
-mod sgd;
-mod sgd_channel;
-mod sgd_lobes;
-mod sgd_shading;
-mod shading;
-mod shifted_gamma;
-mod smith;
+mod distributions;
+mod masking;
+mod math;
+mod models;
 
-pub use brdf::{Brdf, Lambert, cosine_sample};
-pub use direction::{Direction, HalfDifference, direction, reflect};
-pub use fresnel::Fresnel;
-pub use g1_closed_form::G1ClosedForm;
-pub use g1_curve::G1Curve;
-pub use gamma::{ln_upper_gamma, upper_gamma};
-pub use ggx::Ggx;
-pub use ggx_brdf::GgxBrdf;
-pub use half_vector_sampler::{HalfVectorSampler, HalfVectors};
-pub use half_vector_table::HalfVectorTable;
-pub use lanes::by_eights;
-pub use lobes::{Directions, Lobes};
-pub use material::SgdMaterial;
+pub use batch::fixed_outgoing::{Directions, Lobes};
+pub use batch::half_vector_sampler::{HalfVectorSampler, HalfVectors};
+pub use batch::half_vector_table::HalfVectorTable;
+pub use batch::shading::Shading;
 #[cfg(feature = "serde")]
-pub use material_document::{MaterialChannel, MaterialDocument, MaterialError};
-pub use render::RenderSgd;
-pub use sgd::{Configuration, ParameterError, Sgd, SgdParameters, directional_albedo};
-pub use shading::Shading;
-pub use shifted_gamma::ShiftedGamma;
-pub use smith::SmithG1;
+pub use brdf::{Brdf, Lambert, cosine_sample};
+pub use distributions::ggx::Ggx;
+pub use distributions::shifted_gamma::ShiftedGamma;
+pub use masking::closed_form::G1ClosedForm;
+pub use masking::curve::G1Curve;
+pub use masking::smith::SmithG1;
+pub use math::direction::{Direction, HalfDifference, direction, reflect};
+pub use math::gamma::{ln_upper_gamma, upper_gamma};
+pub use math::simd::by_eights;
+#[cfg(feature = "serde")]
+pub use models::document::{MaterialChannel, MaterialDocument, MaterialError};
+pub use models::fresnel::Fresnel;
+pub use models::ggx_material::GgxBrdf;
+pub use models::sgd::{Configuration, ParameterError, Sgd, SgdParameters, directional_albedo};
+pub use models::sgd_f32::RenderSgd;
+pub use models::sgd_material::SgdMaterial;

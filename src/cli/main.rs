@@ -5,51 +5,21 @@
 #![allow(rustdoc::invalid_html_tags)]
 
 mod args;
-mod atlas;
-mod atlas_files;
-mod atlas_plan;
-mod batch;
-mod compare;
-mod completions;
-mod console;
-mod demo;
-mod demo_picture;
-mod diagnostics;
-mod documents;
-mod embedded;
-mod export;
-mod fit;
-mod info;
-mod info_text;
-mod inputs;
-mod json;
-mod man;
-mod material;
-mod material_input;
-mod merge;
-mod noise;
-mod outcome;
-mod output;
-mod picture;
-mod plan;
-mod render;
-mod render_files;
-mod render_plan;
-mod render_scene;
-mod render_stats;
-mod resume;
-mod schema;
-mod summary;
-mod synth;
-mod table;
-mod words;
+mod commands;
+mod jobs;
+mod report;
+mod results;
+mod terminal;
 
 use std::process::ExitCode;
 
 use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
-use console::Console;
-use outcome::Outcome;
+use commands::{atlas, compare, completions, demo, export, fit, info, man, merge, render, schema, synth};
+use results::output;
+use terminal::console::Console;
+use terminal::diagnostics;
+use terminal::exit_code::Outcome;
 
 fn main() -> ExitCode {
     let cli = match parse() {

@@ -1,9 +1,9 @@
 //! The documents that a fit leaves: one per material, one per batch. Their JSON Schema is generated from these types.
 
-use crate::lm::Termination;
+use crate::lm::termination::Termination;
 use crate::options::FitOptions;
 use brdfit_brdf::SgdParameters;
-use brdfit_merl::SamplePosition;
+use brdfit_measured::SamplePosition;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -2,25 +2,17 @@
 #![forbid(unsafe_code)]
 
 pub mod compare;
-mod cone;
 pub mod document;
-mod g1_fit;
-mod g1_table;
-mod grid_model;
 pub mod lm;
-mod nnls;
+mod metrics;
 mod options;
-mod panel;
 mod report;
-mod rows;
-mod step1;
-mod step2;
-mod two_step;
+mod steps;
 
-pub use g1_fit::fit_g1;
-pub use grid_model::synthesise;
+pub use metrics::data_errors::{PanelGeometry, error_panel};
+pub use metrics::grid_model::synthesise;
 pub use options::{
     ALPHA_RANGE, Anchor, Constraint, DistributionSharing, FitOptions, Loss, OptionsError, P_RANGE, Step2Solver,
 };
-pub use panel::{PanelGeometry, error_panel};
-pub use two_step::{FitError, MaterialFit, fit_slices, step_costs};
+pub use steps::closed_form_fit::fit_g1;
+pub use steps::two_step::{FitError, MaterialFit, fit_slices, step_costs};

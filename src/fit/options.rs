@@ -1,6 +1,6 @@
 //! What a fit can be asked to do. Everything here influences the result and is written into it.
 
-use brdfit_merl::SamplePosition;
+use brdfit_measured::SamplePosition;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,14 +1,15 @@
 //! What the document says of one fitted channel.
 
 use crate::document::{CHANNELS, ChannelFit, Derived, Flag, StandardErrors, StepReport};
-use crate::g1_fit::fit_g1;
-use crate::lm::{Bound, LmError};
+use crate::lm::bounds::Bound;
+use crate::lm::problem::LmError;
 use crate::options::{FitOptions, Step2Solver};
-use crate::rows::Row;
-use crate::step1::{Step1, unknown_name};
-use crate::step2::Step2;
+use crate::steps::closed_form_fit::fit_g1;
+use crate::steps::distribution_fit::{Step1, unknown_name};
+use crate::steps::fresnel_fit::Step2;
+use crate::steps::slice_rows::Row;
 use brdfit_brdf::{G1Curve, Sgd, SgdParameters, directional_albedo};
-use brdfit_merl::Slices;
+use brdfit_measured::Slices;
 
 /// Angles at which the model's albedo is reported, degrees.
 const ALBEDO_DEGREES: [f64; 4] = [0.0, 30.0, 60.0, 80.0];

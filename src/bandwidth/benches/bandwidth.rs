@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use brdfit_bandwidth::{Border, Estimator, LobeEstimator, LobeGrid, LobeMemory, LobeOptions, Pyramid};
 use brdfit_brdf::{Brdf, SgdMaterial, SgdParameters, direction};
-use brdfit_merl::{Dimensions, Grid, MeasuredBrdf, MerlFile, SamplePosition};
+use brdfit_measured::{Dimensions, Grid, MeasuredBrdf, MerlFile, SamplePosition};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 /// A wave that gets shorter from the left to the right.

@@ -3,7 +3,7 @@
 use image::{Rgb, RgbImage};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
-use super::scale::{Scale, ZERO, colour};
+use crate::preview::scale::{Scale, ZERO, colour};
 
 /// Paper.
 pub const BACKGROUND: Rgb<u8> = Rgb([255, 255, 255]);

@@ -2,7 +2,7 @@
 
 use image::Rgb;
 
-use super::srgb::byte;
+use crate::preview::srgb::byte;
 
 /// Colour of the value 0, which has no logarithm.
 pub const ZERO: Rgb<u8> = Rgb([205, 205, 205]);

@@ -4,7 +4,7 @@ use brdfit_bandwidth::exr::Samples;
 use brdfit_bandwidth::sidecar::{
     AtlasDocument, AtlasOptions, AtlasStatistics, FileContent, FileEntry, Provenance, Source, SourceKind, TileCount,
 };
-use brdfit_bandwidth::{Atlas, AtlasChannels, AtlasError, LEVELS, Layout, SIZE, exr, half_up, ktx2, level_size};
+use brdfit_bandwidth::{Atlas, AtlasChannels, AtlasError, LEVELS, Layout, SIZE, exr, f16_rounded_up, ktx2, level_size};
 use half::f16;
 use rayon::prelude::*;
 
@@ -192,7 +192,7 @@ fn ktx2_as_bytes() {
             assert!(bytes[end..offset].iter().all(|&padding| padding == 0));
             let data =
                 bytes[offset..offset + length].chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]));
-            assert!(data.eq(atlas.level(k).texels().iter().map(|&value| half_up(value).to_bits())), "level {k}");
+            assert!(data.eq(atlas.level(k).texels().iter().map(|&value| f16_rounded_up(value).to_bits())), "level {k}");
             end = offset + length;
         }
         assert_eq!(end, bytes.len());

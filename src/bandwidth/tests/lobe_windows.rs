@@ -5,7 +5,7 @@ mod materials;
 
 use brdfit_bandwidth::{AngularMap, Estimator, LOBE_TEXELS, Lobe, LobeEstimator, LobeGrid, LobeMemory, LobeOptions};
 use brdfit_brdf::{Brdf, Direction, Directions, direction};
-use brdfit_merl::{MeasuredBrdf, MerlFile, SamplePosition};
+use brdfit_measured::{MeasuredBrdf, MerlFile, SamplePosition};
 
 /// The largest bandwidth of all channels in each texel.
 fn over_channels(lobe: &Lobe) -> Vec<f32> {

@@ -6,9 +6,10 @@ use brdfit_bandwidth::LobeOptions;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use super::{BATCH, Format, OUTPUT};
-use crate::embedded;
-use crate::words::{ChannelsArg, ContainerArg, LayoutArg, PositionArg, SamplesArg};
+use crate::args::embedded_materials;
+use crate::args::value_enums::Format;
+use crate::args::value_enums::{ChannelsArg, ContainerArg, LayoutArg, PositionArg, SamplesArg};
+use crate::args::{BATCH, OUTPUT};
 
 /// Options of `brdfit atlas`.
 #[derive(Debug, Args)]
@@ -107,7 +108,7 @@ const ESTIMATION: &str = "Estimation";
 
 /// What stands below the options in the help.
 pub(super) fn examples() -> String {
-    format!("{EXAMPLES}\n\n{}", embedded::list())
+    format!("{EXAMPLES}\n\n{}", embedded_materials::list())
 }
 
 const EXAMPLES: &str = "\

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Format;
+use crate::args::value_enums::Format;
 
 /// Options of `brdfit compare`.
 #[derive(Debug, Args)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-use crate::embedded;
+use crate::args::embedded_materials;
 
 /// Options of `brdfit demo`.
 #[derive(Debug, Args)]
@@ -16,8 +16,8 @@ pub(crate) struct DemoArgs {
     pub(crate) output: PathBuf,
 
     /// Which of the embedded materials
-    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(embedded::names()),
-          default_value = embedded::default_material().name)]
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(embedded_materials::names()),
+          default_value = embedded_materials::default_material().name)]
     pub(crate) material: String,
 }
 

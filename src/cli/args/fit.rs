@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{BATCH, OUTPUT};
-use crate::words::{AnchorArg, ConstraintArg, LossArg, PositionArg, SolverArg};
+use crate::args::value_enums::{AnchorArg, ConstraintArg, LossArg, PositionArg, SolverArg};
+use crate::args::{BATCH, OUTPUT};
 
 /// Options of `brdfit fit`. Whatever is left out keeps the value of the preset.
 #[derive(Debug, Args)]

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::OUTPUT;
-use crate::words::{AllocationArg, BackgroundArg, GeometryArg, LayerArg, ModeArg, UpsamplingArg};
+use crate::args::OUTPUT;
+use crate::args::value_enums::{AllocationArg, BackgroundArg, GeometryArg, LayerArg, ModeArg, UpsamplingArg};
 
 /// Options of `brdfit render`.
 #[derive(Debug, Args)]

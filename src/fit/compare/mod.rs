@@ -3,10 +3,10 @@
 //! Raw parameters are never compared. A third of all channels are degenerate (docs/theory.md, section 4): very different
 //! parameters give the same curve and the same cost.
 
-mod subset;
+pub(crate) mod subset;
 #[cfg(test)]
-mod test_document;
-mod tolerance;
+pub(crate) mod test_document;
+pub(crate) mod tolerance;
 
 pub use subset::{
     ComparableChannel, ComparableErrors, ComparableFit, ComparableInput, ComparableOptions, ComparableSlices,

@@ -1,6 +1,6 @@
 //! A small document, written as another program would write it.
 
-use super::ComparableFit;
+use crate::compare::ComparableFit;
 
 /// Four rows per slice, the last one of theta_d beyond the cut-off; one row without a measurement.
 pub(crate) const DOCUMENT: &str = r#"{

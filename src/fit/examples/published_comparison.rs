@@ -8,7 +8,7 @@
 use brdfit_brdf::SgdParameters;
 use brdfit_fit::document::SliceCurves;
 use brdfit_fit::{Constraint, FitOptions, PanelGeometry, error_panel, fit_slices, step_costs, synthesise};
-use brdfit_merl::{Dimensions, MerlFile, SamplePosition};
+use brdfit_measured::{Dimensions, MerlFile, SamplePosition};
 use serde_json::{Value, json};
 use std::error::Error;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! The box of admissible parameters.
 
-use super::LmError;
+use crate::lm::problem::LmError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -62,15 +62,15 @@
 //! # }
 //! ```
 
-mod bounds;
-mod model;
-mod problem;
-mod solution;
-mod solver;
-mod termination;
-mod trial;
-mod triangle;
-mod uncertainty;
+pub(crate) mod bounds;
+pub(crate) mod model;
+pub(crate) mod problem;
+pub(crate) mod solution;
+pub(crate) mod solver;
+pub(crate) mod termination;
+pub(crate) mod trial;
+pub(crate) mod triangle;
+pub(crate) mod uncertainty;
 
 pub use bounds::{Bound, Bounds};
 pub use problem::{LeastSquares, LmError};

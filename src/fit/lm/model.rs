@@ -4,8 +4,8 @@
 //! 1/2 |r + J D^-1 z|^2. A QR factorisation J D^-1 = Q A reduces it to 1/2 |A z + b|^2 + constant, A upper triangular
 //! and b the first entries of Q^T r: all further work is on matrices as small as the number of parameters.
 
-use super::triangle::{dot, solve, solve_transposed, triangularise};
-use super::{Bound, Bounds};
+use crate::lm::bounds::{Bound, Bounds};
+use crate::lm::triangle::{dot, solve, solve_transposed, triangularise};
 use nalgebra::{DMatrix, DVector};
 
 /// The damping of a "Gauss-Newton" step, as a fraction of the largest column norm of A, squared. It bounds the step where

@@ -1,6 +1,8 @@
 //! What a minimisation returns.
 
-use super::{Bound, Termination, Uncertainty};
+use crate::lm::bounds::Bound;
+use crate::lm::termination::Termination;
+use crate::lm::uncertainty::Uncertainty;
 use nalgebra::{DMatrix, DVector};
 
 /// A local minimum, or where the solver had to stop.

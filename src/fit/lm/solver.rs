@@ -1,8 +1,11 @@
 //! The iteration: trial points, their acceptance, the trust region and the convergence tests.
 
-use super::model::{LinearModel, Step};
-use super::trial::Trial;
-use super::{Bound, Bounds, LeastSquares, LmError, Options, Solution, Termination};
+use crate::lm::bounds::{Bound, Bounds};
+use crate::lm::model::{LinearModel, Step};
+use crate::lm::problem::{LeastSquares, LmError};
+use crate::lm::solution::Solution;
+use crate::lm::termination::{Options, Termination};
+use crate::lm::trial::Trial;
 use argmin::core::{Error, IterState, KV, Problem, Solver, State, TerminationReason};
 use nalgebra::{DMatrix, DVector};
 

@@ -1,7 +1,7 @@
 //! A trial point and its buffers.
 
-use super::LeastSquares;
-use super::triangle::dot;
+use crate::lm::problem::LeastSquares;
+use crate::lm::triangle::dot;
 use nalgebra::{DMatrix, DVector};
 
 /// A trial point.

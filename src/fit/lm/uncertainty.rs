@@ -1,7 +1,7 @@
 //! Covariance, standard errors and conditioning at a solution.
 
-use super::Bound;
-use super::triangle::triangularise;
+use crate::lm::bounds::Bound;
+use crate::lm::triangle::triangularise;
 use nalgebra::{DMatrix, DVector};
 
 /// Weight in a null direction above which a parameter counts as undetermined: half of the digits of f64.

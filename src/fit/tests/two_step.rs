@@ -6,11 +6,11 @@ use brdfit_fit::{
     Anchor, Constraint, DistributionSharing, FitError, FitOptions, Loss, MaterialFit, Step2Solver, fit_slices,
     step_costs,
 };
-use brdfit_merl::{SamplePosition, Slices};
+use brdfit_measured::{SamplePosition, Slices};
 
 /// The slices that a noise-free measurement at the edge has: there i = o = h holds exactly.
 fn slices(parameters: &[SgdParameters; 3]) -> Slices {
-    let dimensions = brdfit_merl::Dimensions::HALF_TURN;
+    let dimensions = brdfit_measured::Dimensions::HALF_TURN;
     let edge = SamplePosition::Edge;
     let theta_h: Vec<f64> = (0..90).map(|i| dimensions.theta_h_sample(i, edge)).collect();
     let theta_d: Vec<f64> = (0..90).map(|j| dimensions.theta_d_sample(j, edge)).collect();

@@ -1,6 +1,6 @@
 //! Time per direction of drawing from a light and of looking it up, 1024 directions at a time, one thread.
 
-use brdfit_renderer::{Light, LightBandwidth, Procedural, points};
+use brdfit_renderer::{Light, LightBandwidth, Procedural, sobol};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 
@@ -10,7 +10,7 @@ fn light(criterion: &mut Criterion) {
     let light = Procedural::Sky.light(Light::SIZE);
     let bandwidth = LightBandwidth::new(&light);
     let (mut u, mut v) = (vec![0.0; COUNT], vec![0.0; COUNT]);
-    points::fill(1, 0, [&mut u, &mut v]);
+    sobol::fill(1, 0, [&mut u, &mut v]);
     // uniform over the sphere: the look-up with the fewest cache hits
     let uniform: [Vec<f32>; 3] = {
         let d = u.iter().zip(&v).map(|(&u, &v)| {
@@ -31,7 +31,7 @@ fn light(criterion: &mut Criterion) {
     group.bench_function("points", |bencher| {
         bencher.iter(|| {
             seed = seed.wrapping_add(1);
-            points::fill(points::mix(seed), 0, [&mut x, &mut y]);
+            sobol::fill(sobol::mix(seed), 0, [&mut x, &mut y]);
         });
     });
     group.bench_function("sample", |bencher| {

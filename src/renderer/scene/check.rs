@@ -1,10 +1,10 @@
 //! What must hold for the values of a scene document, beyond their types.
 
-use super::document::{
+use crate::scene::document::{
     AlbedoDocument, CameraDocument, LightDocument, MaterialSource, MeshDocument, ObjectDocument, SceneDocument,
     SceneMaterial,
 };
-use super::error::{Field, SceneError};
+use crate::scene::error::{Field, SceneError};
 
 /// Largest width and height of an image, pixels.
 const LARGEST_IMAGE: usize = 16384;

@@ -6,7 +6,7 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use crate::procedural::Procedural;
+use crate::lights::procedural::Procedural;
 
 /// A scene: what is seen from where, of which materials, under which light. World: right-handed, +z up. Lengths share one unit of
 /// any size, angles are in degrees, colours are linear R, G, B with the primaries of sRGB. File names are relative to the folder of the scene.

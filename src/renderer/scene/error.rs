@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::light_error::{LightError, reason};
+use crate::lights::error::{LightError, reason};
 
 /// Why a scene could not be read. Each message is one line: the path to the member of the document that is wrong, the file that
 /// it names if it does, what is wrong. The caller puts the name of the scene's own file in front.

@@ -2,9 +2,9 @@
 
 use serde::de::IgnoredAny;
 
-use super::check::check;
-use super::document::SceneDocument;
-use super::error::SceneError;
+use crate::scene::check::check;
+use crate::scene::document::SceneDocument;
+use crate::scene::error::SceneError;
 
 impl SceneDocument {
     /// Reads and checks a document: every number, every name of a material. Files are not touched.

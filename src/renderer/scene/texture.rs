@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 
-use super::error::FileError;
+use crate::scene::error::FileError;
 
 /// Largest width and height of a picture, pixels.
 const LARGEST: u32 = 16384;

@@ -1,6 +1,6 @@
 //! Directions drawn from a light follow its density: chi-square tests.
 
-use brdfit_renderer::{Light, Procedural, Vec3, octahedral, points};
+use brdfit_renderer::{Light, Procedural, Vec3, octahedral, sobol};
 
 const N: usize = 64;
 /// Bins along a side, blocks of 4 x 4 texels.
@@ -12,7 +12,7 @@ const SIGNIFICANCE: f64 = 1e-3;
 fn independent(seed: u32) -> [f32; 2] {
     let mut u = [[0.0], [0.0]];
     let [a, b] = &mut u;
-    points::fill(points::mix(seed), 0, [a, b]);
+    sobol::fill(sobol::mix(seed), 0, [a, b]);
     [u[0][0], u[1][0]]
 }
 
@@ -111,7 +111,7 @@ fn estimates_are_unbiased() {
             / (fine * fine) as f64;
         let count = 1 << 16;
         let (mut u, mut v) = (vec![0.0; count], vec![0.0; count]);
-        points::fill(points::seed([3, 5], 0, 1), 0, [&mut u, &mut v]);
+        sobol::fill(sobol::seed([3, 5], 0, 1), 0, [&mut u, &mut v]);
         let mut d = [0; 3].map(|_| vec![0.0; count]);
         light.sample_many([&u, &v], d.each_mut().map(|x| x.as_mut_slice()));
         let mut values = [0; 4].map(|_| vec![0.0; count]);

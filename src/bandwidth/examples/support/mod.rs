@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::Path;
 
 use brdfit_brdf::{Brdf, MaterialDocument};
-use brdfit_merl::{MeasuredBrdf, MerlFile, SamplePosition};
+use brdfit_measured::{MeasuredBrdf, MerlFile, SamplePosition};
 
 /// A result of `brdfit fit` (.json) or a MERL file (.binary, samples at the centres of the cells), and the name of the material.
 pub(crate) fn open(path: &str) -> Result<(String, Box<dyn Brdf>), Box<dyn Error>> {

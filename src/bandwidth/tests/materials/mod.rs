@@ -5,7 +5,7 @@ use std::path::Path;
 use brdfit_brdf::{SgdMaterial, SgdParameters};
 
 #[allow(dead_code)] // no test program needs all of it
-#[path = "../../../merl/tests/data/mod.rs"]
+#[path = "../../../measured/tests/data/mod.rs"]
 pub(crate) mod data;
 
 /// A material with the parameters that were published for a measured one.

@@ -1,0 +1,4 @@
+//! Distributions of microfacet normals.
+
+pub(crate) mod ggx;
+pub(crate) mod shifted_gamma;

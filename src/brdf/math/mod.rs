@@ -1,0 +1,7 @@
+//! Special functions, dual numbers, logarithm and exponential, directions, eight lanes at a time.
+
+pub(crate) mod direction;
+pub(crate) mod dual;
+pub(crate) mod gamma;
+pub(crate) mod log_exp;
+pub(crate) mod simd;

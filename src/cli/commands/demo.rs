@@ -1,0 +1,181 @@
+//! `brdfit demo`: an embedded material becomes a MERL file, the file becomes a fit, both are shown side by side, the
+//! material becomes a bandwidth atlas, and fit and atlas become a picture.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use brdfit_bandwidth::sidecar::FileContent;
+use brdfit_brdf::SgdParameters;
+use brdfit_fit::document::{CHANNELS, FitDocument};
+use brdfit_fit::{FitOptions, synthesise};
+use brdfit_measured::{Dimensions, write_merl};
+
+use crate::args::demo::DemoArgs;
+use crate::args::embedded_materials::{self, Embedded};
+use crate::commands::fit;
+use crate::jobs::atlas_job::{AtlasJob, AtlasMaker, Sidecar, file_name};
+use crate::jobs::fit_job::Job;
+use crate::jobs::fit_plan::{FitPlan, Target};
+use crate::jobs::inputs::{InputFile, Wanted};
+use crate::jobs::material_source::{Origin, sgd};
+use crate::report::demo_picture::PictureFiles;
+use crate::results::documents;
+use crate::results::output;
+use crate::terminal::console::{Console, Tone};
+use crate::terminal::exit_code::{Outcome, Problem};
+use crate::terminal::table::{Align, Table};
+
+pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome> {
+    let material = embedded_materials::material(&args.material)
+        .ok_or_else(|| Problem::usage(format!("{}: no such material; see brdfit demo --help", args.material)))?;
+    let options = FitOptions::default();
+    output::folder(&args.output)?;
+    let files = Files::new(&args.output, material.name);
+
+    let start = Instant::now();
+    make(material, &options, &files.binary)?;
+    let made = start.elapsed();
+    let plan = FitPlan {
+        inputs: vec![InputFile::new(files.binary.clone(), Wanted::Measured)?],
+        target: Target::Folder(args.output.clone()),
+        job: Job { options, scan: true, panel: true, accept_non_finite: false },
+        resume: false,
+        picture: true,
+        atlas: false,
+        shard: None,
+    };
+    let outcome = fit::fill(&args.output, &plan, console)?;
+    let fitted = start.elapsed();
+    if outcome != Outcome::Done {
+        return Ok(outcome);
+    }
+    let atlas = make_atlas(material, &args.output)?;
+    let mapped = start.elapsed();
+    files.rendering.make(material.name)?;
+    let total = start.elapsed();
+    let document: FitDocument = documents::read(&files.json, "a fit result")?;
+    output::print(&report(material, &document, &atlas, &files, console))?;
+    console.note(&format!(
+        "{:.2} s to make the file, {:.2} s to fit it, {:.2} s for the atlas, {:.2} s to render, each with writing",
+        made.as_secs_f64(),
+        (fitted - made).as_secs_f64(),
+        (mapped - fitted).as_secs_f64(),
+        (total - mapped).as_secs_f64()
+    ));
+    Ok(outcome)
+}
+
+/// Writes the MERL file of a material.
+fn make(material: &Embedded, options: &FitOptions, path: &Path) -> Result<(), Problem> {
+    let dimensions = Dimensions::HALF_TURN;
+    let planes = synthesise(&material.parameters, dimensions, options.sample_position)
+        .map_err(|error| Problem::computation(format!("{}: {error}", material.name)))?;
+    output::write_with(path, |mut out| {
+        write_merl(&mut out, dimensions, |channel, theta_h, theta_d, phi_d| {
+            planes[channel][dimensions.index(theta_h, theta_d, phi_d)]
+        })
+    })
+}
+
+/// Makes the atlas of a material and its preview.
+fn make_atlas(material: &Embedded, folder: &Path) -> Result<Sidecar, Problem> {
+    let mut job = AtlasJob::default();
+    job.files.push(FileContent::PngPreview);
+    let origin = Origin::fit(material.name, None);
+    AtlasMaker::new(job).make(&sgd(material.parameters, material.name)?, origin, material.name)?.write(folder)
+}
+
+/// What the demo leaves behind.
+struct Files {
+    binary: PathBuf,
+    json: PathBuf,
+    picture: PathBuf,
+    atlas: PathBuf,
+    preview: PathBuf,
+    rendering: PictureFiles,
+    summaries: [PathBuf; 2],
+}
+
+impl Files {
+    fn new(folder: &Path, name: &str) -> Self {
+        let file = |extension: &str| folder.join(format!("{name}.{extension}"));
+        Self {
+            binary: file("binary"),
+            json: file("json"),
+            picture: file("svg"),
+            atlas: folder.join(file_name(name, "ktx2")),
+            preview: folder.join(file_name(name, "png")),
+            rendering: PictureFiles::new(folder, name),
+            summaries: ["summary.json", "summary.csv"].map(|name| folder.join(name)),
+        }
+    }
+}
+
+/// What is printed: the parameters before and after, the errors, the files, what to do next.
+fn report(material: &Embedded, document: &FitDocument, atlas: &Sidecar, files: &Files, console: &Console) -> String {
+    let strong = |text: &str| console.paint(Tone::Strong, text);
+    let list = |entries: &[(&Path, &str)]| {
+        let width = entries.iter().map(|(path, _)| path.display().to_string().chars().count()).max().unwrap_or(0);
+        entries
+            .iter()
+            .map(|(path, what)| {
+                format!("  {:width$}  {}\n", path.display().to_string(), console.paint(Tone::Dim, what))
+            })
+            .collect::<String>()
+    };
+    let [summary, csv] = &files.summaries;
+    let PictureFiles { scene, picture } = &files.rendering;
+    let left = list(&[
+        (picture, "the fit on a sphere, and where the picture was shaded: look at it"),
+        (&files.picture, "both slices, measured and fitted: open it in a browser"),
+        (&files.preview, "the bandwidth of each lobe: look at it"),
+        (&files.atlas, "the same as a texture, beside .exr and .json"),
+        (scene, "the sphere, for brdfit render"),
+        (&files.json, "the fit: parameters, errors, curves, how it went"),
+        (summary, "the summary of the batch"),
+        (csv, "the same as a table"),
+        (&files.binary, "the MERL file that was fitted"),
+    ]);
+    format!(
+        "{}: {}\n\n{}\nParameters differ by at most {:.0e} of their value. E, L, C: cosine-weighted, logarithmic and\ncube root error \
+         over the whole grid (docs/theory.md, section 6). The local bandwidth of\nits lobes reaches {:.1} cycles per radian.\n\n{}\n{left}\n{}\n  brdfit fit YOUR_FOLDER -o fits\n  brdfit atlas fits -o atlases\n  brdfit render {} -o sphere.exr --png sphere.png\n  brdfit info YOUR_FILE.binary\n  brdfit fit --help\n",
+        strong(material.name),
+        material.description,
+        parameters(material, document, console),
+        largest_difference(material, document),
+        atlas.atlas.range[1],
+        strong("Files"),
+        strong("Next"),
+        scene.display(),
+    )
+}
+
+/// The parameters that the file was made from above those that the fit found.
+fn parameters(material: &Embedded, document: &FitDocument, console: &Console) -> Table {
+    let numbers = ["rho_d", "rho_s", "alpha", "p", "F0", "F1", "E", "L", "C"].map(|title| (title, Align::Right));
+    let [d, s, a, p, f0, f1, e, l, c] = numbers;
+    let mut table = Table::new([("", Align::Left), ("", Align::Left), d, s, a, p, f0, f1, e, l, c]);
+    for (n, (made_from, found)) in material.parameters.iter().zip(&document.channels).enumerate() {
+        let heading = [console.paint(Tone::Strong, CHANNELS[n]), "made from".to_owned()];
+        table.row(heading.into_iter().chain(six(made_from).map(|value| format!("{value}"))));
+        let errors = document.errors.as_ref().map(|panel| [panel.e[n], panel.l[n], panel.c[n]]);
+        let errors = errors.into_iter().flatten().map(|value| format!("{value:.1e}"));
+        let found = six(&found.parameters).map(|value| format!("{value:.6}"));
+        table.row([String::new(), "found".to_owned()].into_iter().chain(found).chain(errors));
+    }
+    table
+}
+
+/// Largest relative difference between a parameter and the one that was found.
+fn largest_difference(material: &Embedded, document: &FitDocument) -> f64 {
+    let pairs = material.parameters.iter().zip(&document.channels);
+    pairs
+        .flat_map(|(made_from, found)| six(made_from).into_iter().zip(six(&found.parameters)))
+        .map(|(made_from, found)| ((found - made_from) / made_from).abs())
+        .fold(0.0, f64::max)
+}
+
+fn six(parameters: &SgdParameters) -> [f64; 6] {
+    let SgdParameters { rho_d, rho_s, alpha, p, f0, f1 } = *parameters;
+    [rho_d, rho_s, alpha, p, f0, f1]
+}

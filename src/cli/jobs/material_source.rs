@@ -1,0 +1,149 @@
+//! A material that is to be evaluated: a measured file, the result of a fit, or an embedded one.
+
+use std::path::Path;
+
+use brdfit_bandwidth::sidecar::{Source, SourceKind};
+use brdfit_brdf::{Brdf, SgdMaterial, SgdParameters};
+use brdfit_measured::{MeasuredBrdf, MerlFile, SamplePosition};
+use tracing::info;
+
+use crate::args::embedded_materials::{self, Embedded};
+use crate::jobs::batch::in_pool;
+use crate::jobs::fit_job;
+use crate::jobs::inputs::InputFile;
+use crate::results::documents::Document;
+use crate::terminal::exit_code::Problem;
+
+/// Where a material comes from, before anything is read.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum MaterialInput {
+    /// A MERL file.
+    Measured(InputFile),
+    /// A document with parameters.
+    Fit(InputFile),
+    /// A material that the program carries with it.
+    Embedded(&'static Embedded),
+}
+
+/// How measured files are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Reading {
+    /// Where in its cell a sample lies.
+    pub(crate) sample_position: SamplePosition,
+    /// Whether cells that are no numbers count as cells without a measurement.
+    pub(crate) accept_non_finite: bool,
+}
+
+/// Where a material comes from, as documents say it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Origin {
+    pub(crate) source: Source,
+    /// Where in its cell a sample of a measurement lies.
+    pub(crate) sample_position: Option<SamplePosition>,
+}
+
+impl Origin {
+    /// The origin of a material with parameters; an embedded one has no file and no hash.
+    pub(crate) fn fit(name: &str, sha256: Option<String>) -> Self {
+        Self { source: Source { name: name.to_owned(), sha256, kind: SourceKind::Fit }, sample_position: None }
+    }
+}
+
+/// A material that was read and is not yet ready to be evaluated.
+#[derive(Debug)]
+pub(crate) struct OpenedMaterial {
+    pub(crate) origin: Origin,
+    content: Content,
+}
+
+#[derive(Debug)]
+enum Content {
+    Measured(MerlFile, SamplePosition),
+    Fit([SgdParameters; 3]),
+}
+
+impl MaterialInput {
+    /// What an input is: a .json file a document, any other file a measurement, another word a name.
+    ///
+    /// # Errors
+    /// A word that is none of these.
+    pub(crate) fn new(input: InputFile) -> Result<Self, Problem> {
+        Ok(match embedded_materials::find(&input.path)? {
+            Some(material) => Self::Embedded(material),
+            None if input.path.extension().is_some_and(|extension| extension == "json") => Self::Fit(input),
+            None => Self::Measured(input),
+        })
+    }
+
+    /// The stem of its results.
+    pub(crate) fn name(&self) -> &str {
+        match self {
+            Self::Measured(input) | Self::Fit(input) => &input.name,
+            Self::Embedded(material) => material.name,
+        }
+    }
+
+    /// Its file.
+    pub(crate) fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Measured(input) | Self::Fit(input) => Some(&input.path),
+            Self::Embedded(_) => None,
+        }
+    }
+
+    /// How messages name it.
+    pub(crate) fn label(&self) -> String {
+        self.path().map_or_else(|| self.name().to_owned(), |path| path.display().to_string())
+    }
+
+    /// Reads all of it.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is not what it should be.
+    pub(crate) fn open(&self, reading: Reading) -> anyhow::Result<OpenedMaterial> {
+        info!(material = %self.label(), "open");
+        Ok(match self {
+            Self::Measured(InputFile { path, name }) => {
+                let file = MerlFile::open(path)?;
+                let scan = fit_job::scan(&file, reading.accept_non_finite)?;
+                let position = reading.sample_position;
+                let source = Source { name: name.clone(), sha256: Some(scan.sha256_hex()), kind: SourceKind::Merl };
+                OpenedMaterial {
+                    origin: Origin { source, sample_position: Some(position) },
+                    content: Content::Measured(file, position),
+                }
+            }
+            Self::Fit(InputFile { path, name }) => {
+                let document = Document::open(path, "a fit result")?;
+                let parameters = document.material()?.parameters();
+                OpenedMaterial { origin: Origin::fit(name, Some(document.sha256())), content: Content::Fit(parameters) }
+            }
+            Self::Embedded(material) => {
+                OpenedMaterial { origin: Origin::fit(material.name, None), content: Content::Fit(material.parameters) }
+            }
+        })
+    }
+}
+
+impl OpenedMaterial {
+    /// Makes the material ready to be evaluated.
+    ///
+    /// # Errors
+    /// A file without a measurement above the horizon.
+    pub(crate) fn brdf(self) -> anyhow::Result<Box<dyn Brdf>> {
+        in_pool(|| {
+            Ok(match self.content {
+                Content::Measured(file, position) => Box::new(MeasuredBrdf::new(&file, position)?) as Box<dyn Brdf>,
+                Content::Fit(parameters) => Box::new(sgd(parameters, &self.origin.source.name)?),
+            })
+        })
+    }
+}
+
+/// The material with these parameters.
+///
+/// # Errors
+/// Parameters outside of the model's domain.
+pub(crate) fn sgd(parameters: [SgdParameters; 3], label: &str) -> Result<SgdMaterial, Problem> {
+    SgdMaterial::new(parameters).map_err(|error| Problem::invalid(format!("{label}: {error}; correct the parameter")))
+}

@@ -1,0 +1,14 @@
+//! Checked plans and the work on one input.
+
+pub(crate) mod atlas_job;
+pub(crate) mod atlas_plan;
+pub(crate) mod batch;
+pub(crate) mod fit_job;
+pub(crate) mod fit_plan;
+pub(crate) mod inputs;
+pub(crate) mod material_source;
+pub(crate) mod render_files;
+pub(crate) mod render_plan;
+pub(crate) mod render_scene;
+pub(crate) mod render_stats;
+pub(crate) mod synthetic_noise;

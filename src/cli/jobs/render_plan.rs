@@ -1,0 +1,214 @@
+//! What `brdfit render` is going to do, checked before anything is done.
+
+use std::path::{Path, PathBuf};
+
+use brdfit_renderer::{Budget, Exposure, Mode, Pass, Prefilter, RenderOptions};
+
+use crate::args::render::RenderArgs;
+use crate::args::value_enums::{BackgroundArg, LayerArg};
+use crate::jobs::fit_plan::must_lie;
+use crate::jobs::inputs::is_same_file;
+use crate::results::output;
+use crate::terminal::exit_code::Problem;
+
+/// A checked rendering.
+#[derive(Clone, Debug)]
+pub(crate) struct RenderPlan {
+    pub(crate) scene: PathBuf,
+    /// Folder where files of materials are looked for first.
+    pub(crate) materials: Option<PathBuf>,
+    pub(crate) options: RenderOptions,
+    /// Layers of the image, in the order of the frame.
+    pub(crate) passes: Vec<Pass>,
+    pub(crate) background: BackgroundArg,
+    pub(crate) exposure: Option<Exposure>,
+    /// Frames that are averaged.
+    pub(crate) frames: u32,
+    /// Times that each frame is rendered.
+    pub(crate) repeat: usize,
+    pub(crate) reference: Option<PathBuf>,
+    pub(crate) files: RenderTargets,
+}
+
+/// Files that are written.
+#[derive(Clone, Debug)]
+pub(crate) struct RenderTargets {
+    pub(crate) image: PathBuf,
+    pub(crate) png: Option<PathBuf>,
+    pub(crate) map: Option<PathBuf>,
+    pub(crate) stats: Option<PathBuf>,
+    pub(crate) light_map: Option<PathBuf>,
+}
+
+impl RenderPlan {
+    /// # Errors
+    /// Options outside of their range or against each other, an input that would be overwritten.
+    pub(crate) fn new(args: &RenderArgs) -> Result<Self, Problem> {
+        let files = RenderTargets {
+            image: args.output.clone(),
+            png: args.png.clone(),
+            map: args.map.clone(),
+            stats: args.stats.clone(),
+            light_map: args.light_map.clone(),
+        };
+        check_places(args, &files)?;
+        let exposure = args.exposure.map(|factor| {
+            Exposure::new(factor).ok_or_else(|| Problem::usage(format!("--exposure {factor}: must be above 0")))
+        });
+        Ok(Self {
+            scene: args.scene.clone(),
+            materials: args.materials.clone(),
+            options: options(args)?,
+            passes: passes(&args.layers),
+            background: args.background,
+            exposure: exposure.transpose()?,
+            frames: args.frames,
+            repeat: args.repeat.into(),
+            reference: args.reference.clone(),
+            files,
+        })
+    }
+}
+
+fn options(args: &RenderArgs) -> Result<RenderOptions, Problem> {
+    let mode = Mode::from(args.mode);
+    let budget = match args.target_error {
+        Some(_) if mode == Mode::Reference => {
+            return Err(Problem::usage("--target-error: --mode reference predicts nothing; choose --spp"));
+        }
+        Some(e) => Budget::TargetError(must_lie("--target-error", e, e > 0.0 && e <= 10.0, "above 0, up to 10")?),
+        None => Budget::SamplesPerPixel(must_lie(
+            "--spp",
+            args.spp,
+            args.spp > 0.0 && args.spp <= 65536.0,
+            "above 0, up to 65536",
+        )?),
+    };
+    if mode == Mode::Reference && args.spp.round() < 1.0 {
+        return Err(Problem::usage(format!("--spp {}: --mode reference wants at least one sample", args.spp)));
+    }
+    let rate = f64::from(args.sampling_rate);
+    must_lie("--sampling-rate", rate, (0.01..=100.0).contains(&rate), "from 0.01 to 100")?;
+    Ok(RenderOptions {
+        mode,
+        budget,
+        seed: args.seed,
+        pilot_samples: args.pilot_samples,
+        geometry: args.geometry.into(),
+        sampling_rate: args.sampling_rate,
+        allocation: args.allocation.into(),
+        upsampling: args.upsample.into(),
+        prefilter: prefilter(&args.prefilter, mode)?,
+    })
+}
+
+fn prefilter(word: &str, mode: Mode) -> Result<Prefilter, Problem> {
+    match word {
+        "never" => Ok(Prefilter::Never),
+        "always" => Ok(Prefilter::Always),
+        number => match number.parse::<f32>() {
+            Ok(_) if mode == Mode::Reference => {
+                Err(Problem::usage(format!("--prefilter {word}: --mode reference predicts nothing; never or always")))
+            }
+            Ok(threshold) if threshold >= 0.0 && threshold.is_finite() => Ok(Prefilter::Above(threshold)),
+            _ => Err(Problem::usage(format!("--prefilter {word}: must be never, always, or a number from 0"))),
+        },
+    }
+}
+
+/// Each pass once, in the order of the frame.
+fn passes(layers: &[LayerArg]) -> Vec<Pass> {
+    let wanted = |pass: &Pass| {
+        let layer = match pass {
+            Pass::GBuffer => LayerArg::Gbuffer,
+            Pass::Light => LayerArg::Light,
+            Pass::Pilot => LayerArg::Pilot,
+            Pass::Bandwidth => LayerArg::Bandwidth,
+            Pass::Decision => LayerArg::Decision,
+            Pass::List => LayerArg::List,
+            Pass::Upsampled => LayerArg::Upsampled,
+        };
+        layers.contains(&LayerArg::All) || layers.contains(&layer)
+    };
+    Pass::ALL.into_iter().filter(wanted).collect()
+}
+
+/// Refuses a file that is written twice, read and written, or cannot appear where it should. Only statistics may go to standard
+/// output.
+fn check_places(args: &RenderArgs, files: &RenderTargets) -> Result<(), Problem> {
+    let printed = Path::new("-");
+    let stats = files.stats.as_ref().filter(|path| *path != printed);
+    let optional = [files.png.as_ref(), files.map.as_ref(), stats, files.light_map.as_ref()];
+    let written: Vec<&PathBuf> = std::iter::once(&files.image).chain(optional.into_iter().flatten()).collect();
+    for (n, path) in written.iter().enumerate() {
+        if *path == printed {
+            return Err(Problem::usage("-: images do not go to standard output; name a file"));
+        }
+        if written[..n].contains(path) {
+            return Err(Problem::usage(format!("{}: is to be written twice; choose another name", path.display())));
+        }
+        for input in std::iter::once(&args.scene).chain(&args.reference) {
+            if is_same_file(input, path) {
+                return Err(Problem::usage(format!("{}: would be overwritten; choose another name", path.display())));
+            }
+        }
+        output::expect_place(path)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{Cli, Command};
+    use clap::Parser;
+
+    fn plan(line: &str) -> Result<RenderPlan, Problem> {
+        let cli = Cli::try_parse_from(line.split(' ')).unwrap_or_else(|error| panic!("{error}"));
+        let Command::Render(args) = cli.command else { panic!("{line}") };
+        RenderPlan::new(&args)
+    }
+
+    #[test]
+    fn the_default_is_that_of_the_library() {
+        let options = plan("brdfit render s.json -o x.exr").unwrap().options;
+        assert_eq!(options, RenderOptions { budget: Budget::SamplesPerPixel(16.0), ..RenderOptions::default() });
+    }
+
+    #[test]
+    fn options_arrive() {
+        let plan = plan(
+            "brdfit render s.json -o x.exr --mode adaptive-pixels --target-error 0.05 --seed 7 --prefilter 0.2 \
+             --pilot-samples 64 --allocation eq9 --geometry operators-literal --sampling-rate 3.1416 --upsample paper \
+             --layers list,gbuffer,list --repeat 5",
+        )
+        .unwrap();
+        assert_eq!(plan.options.budget, Budget::TargetError(0.05));
+        assert_eq!(plan.options.prefilter, Prefilter::Above(0.2));
+        assert_eq!((plan.options.seed, plan.options.pilot_samples, plan.repeat), (7, 64, 5));
+        assert_eq!(plan.passes, [Pass::GBuffer, Pass::List]);
+        assert_eq!(passes(&[LayerArg::All]), Pass::ALL);
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        for (options, part) in [
+            ("--spp 0", "--spp 0: must lie above 0"),
+            ("--spp nan", "--spp NaN"),
+            ("--mode reference --spp 0.3", "at least one sample"),
+            ("--mode reference --target-error 0.1", "predicts nothing"),
+            ("--mode reference --prefilter 0.1", "predicts nothing"),
+            ("--target-error -1", "--target-error -1"),
+            ("--prefilter some", "--prefilter some: must be never"),
+            ("--prefilter -1", "--prefilter -1"),
+            ("--sampling-rate 0", "--sampling-rate 0"),
+            ("--exposure 0", "--exposure 0"),
+            ("--png x.exr", "x.exr: is to be written twice"),
+            ("--png - --stats -", "images do not go to standard output"),
+            ("--png no/such/folder.png", "its folder does not exist"),
+        ] {
+            let message = plan(&format!("brdfit render s.json -o x.exr {options}")).unwrap_err().to_string();
+            assert!(message.contains(part), "{options}: {message}");
+        }
+    }
+}

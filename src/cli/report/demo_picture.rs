@@ -1,0 +1,82 @@
+//! The picture at the end of `brdfit demo`: the fitted material on a sphere, beside the map of where it was shaded.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use brdfit_renderer::scene::{
+    CameraDocument, LightDocument, MaterialSource, MeshDocument, ObjectDocument, SceneMaterial,
+};
+use brdfit_renderer::{Budget, Procedural, RenderOptions, SceneDocument};
+
+use crate::args::value_enums::BackgroundArg;
+use crate::commands::render::Frame;
+use crate::jobs::atlas_job::file_name;
+use crate::jobs::batch::in_pool;
+use crate::jobs::render_files::{Rendered, write_map};
+use crate::jobs::render_scene::LoadedScene;
+use crate::results::json;
+use crate::results::output;
+
+/// Columns and rows of the picture.
+const SIZE: usize = 512;
+
+/// The files of the picture.
+#[derive(Debug)]
+pub(crate) struct PictureFiles {
+    /// The scene, as `brdfit render` takes it.
+    pub(crate) scene: PathBuf,
+    /// The picture and the map.
+    pub(crate) picture: PathBuf,
+}
+
+impl PictureFiles {
+    /// The files for a material in a folder.
+    pub(crate) fn new(folder: &Path, name: &str) -> Self {
+        let file = |extension: &str| folder.join(format!("{name}.{extension}"));
+        Self { scene: file("scene.json"), picture: file("render.png") }
+    }
+
+    /// Writes the scene and renders it. The fit and the atlas of the material lie beside the scene.
+    ///
+    /// # Errors
+    /// What the operating system reports; a fit or an atlas that cannot be used.
+    pub(crate) fn make(&self, name: &str) -> anyhow::Result<()> {
+        output::write(&self.scene, &json::to_vec(&scene(name)))?;
+        let loaded = LoadedScene::open(&self.scene, None)?;
+        let options = RenderOptions { budget: Budget::SamplesPerPixel(16.0), ..RenderOptions::default() };
+        let frame = in_pool(|| Frame::render(&loaded, &options, 1, 1));
+        let image = frame.image(&loaded.light, BackgroundArg::Light);
+        let exposure = frame.exposure(None);
+        let rendered = Rendered { frame: &frame, image: &image, exposure, light: &loaded.light };
+        Ok(write_map(&self.picture, name, &rendered)?)
+    }
+}
+
+/// A sphere of the material under the built-in sky.
+fn scene(name: &str) -> SceneDocument {
+    let material = SceneMaterial {
+        source: MaterialSource::Fit(format!("{name}.json")),
+        atlas: Some(file_name(name, "ktx2")),
+        albedo: None,
+    };
+    SceneDocument {
+        schema: None,
+        camera: CameraDocument {
+            eye: [4.2, 0.0, 0.6],
+            target: [0.0; 3],
+            up: [0.0, 0.0, 1.0],
+            vertical_fov: 31.0,
+            width: SIZE,
+            height: SIZE,
+        },
+        light: LightDocument::Procedural { kind: Procedural::Sky, rotation: 0.0, scale: 1.0 },
+        materials: BTreeMap::from([(name.to_owned(), material)]),
+        objects: vec![ObjectDocument {
+            mesh: MeshDocument::Sphere { radius: 1.0 },
+            material: name.to_owned(),
+            scale: 1.0,
+            rotate: [0.0; 3],
+            translate: [0.0; 3],
+        }],
+    }
+}

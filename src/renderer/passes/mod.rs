@@ -1,0 +1,13 @@
+//! The passes of a frame: each reads whole buffers and writes others.
+
+pub(crate) mod allocation;
+pub(crate) mod decision;
+pub(crate) mod direct_lighting;
+pub(crate) mod image_bandwidth;
+pub(crate) mod material;
+pub(crate) mod pilot;
+pub(crate) mod pyramid;
+pub(crate) mod shading;
+pub mod transport;
+pub(crate) mod upsampling;
+pub(crate) mod upsampling_stencil;
