@@ -1,11 +1,11 @@
 //! What every reflectance model offers: evaluation, sampling, density.
 
-use crate::batch::fixed_outgoing::{Directions, Lobes};
+use crate::batch::batch_brdf::BatchBrdf;
+use crate::batch::fixed_outgoing::{Directions, FixedOutgoing};
 use crate::batch::half_vector_sampler::HalfVectorSampler;
-use crate::batch::shading::Shading;
-use crate::math::direction::{Direction, direction};
+use crate::math::direction::{Direction, cosine_sample};
 use crate::math::simd::by_eights;
-use std::f64::consts::{FRAC_1_PI, TAU};
+use std::f64::consts::FRAC_1_PI;
 use wide::f32x8;
 
 /// A bidirectional reflectance distribution function of three colour channels.
@@ -13,8 +13,8 @@ pub trait Brdf: Send + Sync {
     /// `f(i, o)` in 1/sr per channel for unit vectors in the local frame (normal +z); zero where either is at or below the horizon.
     fn value(&self, i: &Direction, o: &Direction) -> [f64; 3];
 
-    /// Draws an outgoing direction for the incident direction `i` from three numbers in [0, 1): `None` where the draw ends below
-    /// the horizon (it counts as a sample of value zero).
+    /// Draws an outgoing direction for the incident direction `i` from three numbers in [0, 1), azimuth, radius and choice of the
+    /// technique: `None` where the draw ends below the horizon (it counts as a sample of value zero).
     fn sample(&self, i: &Direction, u: [f64; 3]) -> Option<Direction> {
         let _ = i;
         Some(cosine_sample([u[0], u[1]]))
@@ -28,24 +28,24 @@ pub trait Brdf: Send + Sync {
 
     /// Makes the model ready to be evaluated towards a fixed set of directions for many incident ones, in single precision.
     /// Models for which that pays compute here what depends on `o` alone.
-    fn lobes<'a>(&'a self, o: &'a Directions) -> Box<dyn Lobes + 'a> {
+    fn towards<'a>(&'a self, o: &'a Directions) -> Box<dyn FixedOutgoing + 'a> {
         Box::new(OneByOne { brdf: self, o })
     }
 
     /// Makes the model ready for renderers: many pairs of directions at once in single precision. The density is the one of
     /// the returned object's own samples, not [`Brdf::pdf`].
-    fn shading(&self) -> Box<dyn Shading + '_> {
+    fn batch(&self) -> Box<dyn BatchBrdf + '_> {
         Box::new(PairByPair(self))
     }
 }
 
-/// [`Lobes`] of any model: one evaluation in double precision after the other.
-struct OneByOne<'a, B: ?Sized> {
-    brdf: &'a B,
-    o: &'a Directions,
+/// [`FixedOutgoing`] of any model: one evaluation in double precision after the other.
+pub(crate) struct OneByOne<'a, B: ?Sized> {
+    pub(crate) brdf: &'a B,
+    pub(crate) o: &'a Directions,
 }
 
-impl<B: Brdf + ?Sized> Lobes for OneByOne<'_, B> {
+impl<B: Brdf + ?Sized> FixedOutgoing for OneByOne<'_, B> {
     fn values(&self, i: &Direction, first: usize, values: [&mut [f32]; 3]) {
         let [r, g, b] = values;
         assert!(r.len() == g.len() && g.len() == b.len(), "the channels differ in length");
@@ -55,14 +55,14 @@ impl<B: Brdf + ?Sized> Lobes for OneByOne<'_, B> {
     }
 }
 
-/// [`Shading`] of any model, one pair in double precision after the other.
+/// [`BatchBrdf`] of any model, one pair in double precision after the other.
 ///
 /// [`Brdf::sample`] takes three numbers, the first its azimuth, the third its technique: the first of two serves as the third,
 /// and 4096 times it, without its whole part, as the first. Techniques are chosen exactly as often as they should be; azimuths
 /// come in steps of 1/4096 turn.
 struct PairByPair<'a, B: ?Sized>(&'a B);
 
-impl<B: Brdf + ?Sized> Shading for PairByPair<'_, B> {
+impl<B: Brdf + ?Sized> BatchBrdf for PairByPair<'_, B> {
     fn sample(&self, o: [&[f32]; 3], u: [&[f32]; 2], i: [&mut [f32]; 3]) {
         let [x, y, z] = i;
         assert!(o.iter().chain(&u).all(|numbers| numbers.len() == x.len()), "the arrays differ in length");
@@ -90,11 +90,6 @@ fn at(directions: [&[f32]; 3], n: usize) -> Direction {
     Direction::new(x, y, z).normalize()
 }
 
-/// A direction with density `cos theta / pi` from two numbers in [0, 1).
-pub fn cosine_sample(u: [f64; 2]) -> Direction {
-    direction(libm::asin(u[1].sqrt()), TAU * u[0])
-}
-
 /// Lambert's model: the same value for every pair of directions above the horizon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lambert {
@@ -107,12 +102,12 @@ impl Brdf for Lambert {
         if i.z > 0.0 && o.z > 0.0 { self.albedo.map(|albedo| albedo * FRAC_1_PI) } else { [0.0; 3] }
     }
 
-    fn shading(&self) -> Box<dyn Shading + '_> {
+    fn batch(&self) -> Box<dyn BatchBrdf + '_> {
         Box::new(*self)
     }
 }
 
-impl Shading for Lambert {
+impl BatchBrdf for Lambert {
     fn sample(&self, o: [&[f32]; 3], u: [&[f32]; 2], i: [&mut [f32]; 3]) {
         HalfVectorSampler::new(None, 0.0).sample_many(o, u, i);
     }

@@ -1,17 +1,12 @@
 //! The documents that a fit leaves: one per material, one per batch. Their JSON Schema is generated from these types.
 
 use crate::lm::termination::Termination;
-use crate::options::FitOptions;
-use brdfit_brdf::SgdParameters;
+use crate::options::RecordedOptions;
+pub use brdfit_brdf::SCHEMA_VERSION;
+use brdfit_brdf::{ModelName, NamedValues};
 use brdfit_measured::SamplePosition;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// Version of the layout below; it rises when a program that reads the present one could be misled.
-pub const SCHEMA_VERSION: u32 = 1;
-
-/// Names of the three channels in the order of every array in the documents.
-pub const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
 /// The fit of one material. Angles in radians unless a name says degrees, BRDF values in 1/sr, no NaN, no time, no host name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -24,9 +19,9 @@ pub struct FitDocument {
     /// The measurement.
     pub input: Input,
     /// Every option that influenced the result.
-    pub options: FitOptions,
-    /// The model's name, "sgd".
-    pub model: String,
+    pub options: RecordedOptions,
+    /// The model.
+    pub model: ModelName,
     /// The fit of R, G and B.
     pub channels: Vec<ChannelFit>,
     /// How far the model is from the measurement on all cells; absent if it was not asked for.
@@ -58,12 +53,14 @@ pub struct Input {
 pub struct ChannelFit {
     /// R, G or B.
     pub name: String,
-    /// The six free parameters of the model.
-    pub parameters: SgdParameters,
+    /// The free parameters of the model.
+    pub parameters: NamedValues<f64>,
     /// What follows from them.
     pub derived: Derived,
-    /// Standard errors of what the two steps estimated.
-    pub standard_errors: StandardErrors,
+    /// Standard errors of what the two steps estimated, `sigma^2 (J^T J)^-1` over the parameters that are not at a bound; null for
+    /// one at a bound or undetermined. rho_d, fr (through the peak height) and the shape of the distribution are those of step
+    /// 1, rho_s, f0 and f1 those of step 2.
+    pub standard_errors: NamedValues<Option<f64>>,
     /// Step 1 (theta_h slice) and step 2 (theta_d slice).
     pub steps: Vec<StepReport>,
     /// What a reader should know before trusting a parameter.
@@ -73,9 +70,9 @@ pub struct ChannelFit {
 /// Quantities that follow from the parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Derived {
-    /// Normalisation of the distribution.
-    #[serde(rename = "K")]
-    pub k: f64,
+    /// Normalisation of the distribution, for models that publish one ("sgd").
+    #[serde(rename = "K", default, skip_serializing_if = "Option::is_none")]
+    pub k: Option<f64>,
     /// `rho_s F(0)` as step 1 estimated it.
     pub fr: f64,
     /// Peak height A that step 2 took, 1/sr.
@@ -103,25 +100,6 @@ pub struct G1Fit {
     pub max_error: f64,
     /// Root mean square difference from the integral.
     pub rms_error: f64,
-}
-
-/// Standard errors, `sigma^2 (J^T J)^-1` over the parameters that are not at a bound; null for one at a bound or undetermined.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct StandardErrors {
-    /// Of rho_d, from step 1.
-    pub rho_d: Option<f64>,
-    /// Of Fr, from step 1 (through the peak height).
-    pub fr: Option<f64>,
-    /// Of alpha, from step 1.
-    pub alpha: Option<f64>,
-    /// Of p, from step 1.
-    pub p: Option<f64>,
-    /// Of rho_s, from step 2.
-    pub rho_s: Option<f64>,
-    /// Of f0, from step 2.
-    pub f0: Option<f64>,
-    /// Of f1, from step 2.
-    pub f1: Option<f64>,
 }
 
 /// How one step went.
@@ -275,11 +253,18 @@ pub struct SummaryDocument {
     /// Program that wrote it, with its version.
     pub program: String,
     /// Every option that influenced the results.
-    pub options: FitOptions,
+    pub options: RecordedOptions,
+    /// The model, where it is not the default one ("sgd").
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub model: ModelName,
     /// The materials in the order of their names.
     pub materials: Vec<SummaryRow>,
     /// Inputs that could not be fitted.
     pub failures: Vec<Failure>,
+}
+
+fn is_default(model: &ModelName) -> bool {
+    *model == ModelName::default()
 }
 
 /// One material of a batch.
@@ -290,7 +275,7 @@ pub struct SummaryRow {
     /// SHA-256 of its file.
     pub sha256: Option<String>,
     /// Parameters of R, G and B.
-    pub parameters: [SgdParameters; 3],
+    pub parameters: [NamedValues<f64>; 3],
     /// Costs of step 1 and step 2 per channel.
     pub costs: [[f64; 2]; 3],
     /// E, L and C per channel, if the panel was asked for.
@@ -316,7 +301,7 @@ impl From<&FitDocument> for SummaryRow {
         Self {
             name: document.input.name.clone(),
             sha256: document.input.sha256.clone(),
-            parameters: [0, 1, 2].map(|c| channel(c).parameters),
+            parameters: [0, 1, 2].map(|c| channel(c).parameters.clone()),
             costs: [0, 1, 2].map(|c| [0, 1].map(|step: usize| channel(c).steps[step].cost)),
             errors: document.errors.as_ref().map(|panel| PanelTriple { e: panel.e, l: panel.l, c: panel.c }),
             flags: [0, 1, 2].map(|c| channel(c).flags.clone()),

@@ -1,13 +1,155 @@
 //! What a fit can be asked to do. Everything here influences the result and is written into it.
 
+use brdfit_brdf::{DistributionVisitor, ModelName, NormalDistribution};
 use brdfit_measured::SamplePosition;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The options of a fit; [`Default`] is the best all-round choice of docs/theory.md, section 4.
+/// The options of a fit; [`FitOptions::new`] is the best all-round choice of docs/theory.md, section 4. Where the samples lie in
+/// their cells is a property of the slices, [`brdfit_measured::Slices::position`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct FitOptions {
+    /// One distribution per channel, or one for all three.
+    pub distribution: DistributionSharing,
+    /// What both steps minimise.
+    pub loss: Loss,
+    /// What the Fresnel term has to satisfy.
+    pub constraint: Constraint,
+    /// What step 2 takes for the height of the specular peak.
+    pub anchor: Anchor,
+    /// How step 2 is solved.
+    pub step2_solver: Step2Solver,
+    /// Rows of the theta_h slice beyond this angle take no part in step 1; degrees.
+    pub cutoff_theta_h_degrees: f64,
+    /// Rows of the theta_d slice beyond this angle take no part in step 2; degrees.
+    pub cutoff_theta_d_degrees: f64,
+    /// Starts of step 1, each the shape parameters of the model's distribution ("sgd": alpha, p); the best result wins, ties go
+    /// to the first.
+    pub starts: Vec<Vec<f64>>,
+    /// Limit of iterations of each run of the solver.
+    pub max_iterations: u64,
+}
+
+impl Default for FitOptions {
+    /// Those of the default model.
+    fn default() -> Self {
+        Self::new(ModelName::default())
+    }
+}
+
+impl FitOptions {
+    /// The best all-round choice for a model.
+    pub fn new(model: ModelName) -> Self {
+        Self {
+            distribution: DistributionSharing::PerChannel,
+            loss: Loss::Log1pCos,
+            constraint: Constraint::Physical,
+            anchor: Anchor::Peak,
+            step2_solver: Step2Solver::Convex,
+            cutoff_theta_h_degrees: 75.0,
+            cutoff_theta_d_degrees: 75.0,
+            starts: model.visit(Starts),
+            max_iterations: 200,
+        }
+    }
+
+    /// The published procedure as far as it is known (thesis V.4): plain least squares in both steps, no constraint on the Fresnel
+    /// term, the analytic peak, theta_d up to 70 degrees, Levenberg-Marquardt throughout.
+    pub fn published(model: ModelName) -> Self {
+        Self {
+            loss: Loss::L2,
+            constraint: Constraint::Free,
+            anchor: Anchor::Distribution,
+            step2_solver: Step2Solver::LevenbergMarquardt,
+            cutoff_theta_d_degrees: 70.0,
+            ..Self::new(model)
+        }
+    }
+
+    /// Refuses options that no fit of the model can follow, naming the option.
+    ///
+    /// # Errors
+    /// One line for the first option outside of its range.
+    pub fn check(&self, model: ModelName) -> Result<(), OptionsError> {
+        let refuse = |what: String| Err(OptionsError(what));
+        for (name, degrees) in
+            [("cutoff_theta_h", self.cutoff_theta_h_degrees), ("cutoff_theta_d", self.cutoff_theta_d_degrees)]
+        {
+            if !(10.0..=89.9).contains(&degrees) {
+                return refuse(format!("{name} is {degrees} degrees, it must lie between 10 and 89.9"));
+            }
+        }
+        model.visit(CheckStarts(&self.starts))?;
+        if self.max_iterations == 0 {
+            return refuse("max_iterations is 0, it must be at least 1".to_owned());
+        }
+        Ok(())
+    }
+}
+
+/// An option outside of its range.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct OptionsError(pub String);
+
+/// The starts of a model.
+struct Starts;
+
+impl DistributionVisitor for Starts {
+    type Output = Vec<Vec<f64>>;
+
+    fn visit<D: NormalDistribution<N>, const N: usize>(self) -> Self::Output {
+        D::STARTS.iter().map(|start| start.to_vec()).collect()
+    }
+}
+
+/// Whether starts lie inside of the box of the distribution's unknowns.
+struct CheckStarts<'a>(&'a [Vec<f64>]);
+
+impl DistributionVisitor for CheckStarts<'_> {
+    type Output = Result<(), OptionsError>;
+
+    fn visit<D: NormalDistribution<N>, const N: usize>(self) -> Self::Output {
+        let names = D::SHAPE.map(|parameter| parameter.name).join(",");
+        let what = if N == 1 { "number" } else { "list" };
+        if self.0.is_empty() {
+            return Err(OptionsError(format!("there is no start for step 1: give at least one {what} {names}")));
+        }
+        for start in self.0 {
+            if start.len() != N {
+                let count = start.len();
+                return Err(OptionsError(format!(
+                    "a start of the model {} is {names}, not {count} number{}",
+                    D::MODEL,
+                    if count == 1 { "" } else { "s" }
+                )));
+            }
+            let places = || start.iter().zip(D::SHAPE);
+            if places().any(|(value, parameter)| !(parameter.range[0]..=parameter.range[1]).contains(value)) {
+                let values = places().map(|(value, parameter)| format!("{} {value}", parameter.name));
+                let ranges = D::SHAPE.map(|parameter| {
+                    let [low, high] = parameter.range.map(shortest);
+                    format!("{} in [{low}, {high}]", parameter.name)
+                });
+                let (values, ranges) = (values.collect::<Vec<_>>().join(", "), ranges.join(", "));
+                return Err(OptionsError(format!("the start {values} lies outside of {ranges}")));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A number as briefly as it can be read: 1e-6 and 0.5.
+fn shortest(value: f64) -> String {
+    let (plain, exponent) = (format!("{value}"), format!("{value:e}"));
+    if exponent.len() < plain.len() { exponent } else { plain }
+}
+
+/// The options of a fit as documents record them, with the position of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct FitOptions {
+#[schemars(rename = "FitOptions")]
+pub struct RecordedOptions {
     /// Where in its cell a sample lies.
     pub sample_position: SamplePosition,
     /// One distribution per channel, or one for all three.
@@ -24,82 +166,41 @@ pub struct FitOptions {
     pub cutoff_theta_h_degrees: f64,
     /// Rows of the theta_d slice beyond this angle take no part in step 2; degrees.
     pub cutoff_theta_d_degrees: f64,
-    /// Starts of step 1 as (alpha, p); the best result wins, ties go to the first.
-    pub starts: Vec<[f64; 2]>,
+    /// Starts of step 1, each the shape parameters of the model's distribution ("sgd": alpha, p); the best result wins, ties go
+    /// to the first.
+    pub starts: Vec<Vec<f64>>,
     /// Limit of iterations of each run of the solver.
     pub max_iterations: u64,
 }
 
-impl Default for FitOptions {
-    fn default() -> Self {
+impl RecordedOptions {
+    /// What is recorded of a fit with these options to slices whose samples lie there.
+    pub fn new(options: &FitOptions, sample_position: SamplePosition) -> Self {
+        let FitOptions {
+            distribution,
+            loss,
+            constraint,
+            anchor,
+            step2_solver,
+            cutoff_theta_h_degrees,
+            cutoff_theta_d_degrees,
+            starts,
+            max_iterations,
+        } = options.clone();
         Self {
-            sample_position: SamplePosition::Edge,
-            distribution: DistributionSharing::PerChannel,
-            loss: Loss::Log1pCos,
-            constraint: Constraint::Physical,
-            anchor: Anchor::Peak,
-            step2_solver: Step2Solver::Convex,
-            cutoff_theta_h_degrees: 75.0,
-            cutoff_theta_d_degrees: 75.0,
-            starts: vec![[1e-4, 0.4], [3e-3, 0.4], [0.1, 0.4], [0.9, 0.1], [1e-5, 0.4]],
-            max_iterations: 200,
+            sample_position,
+            distribution,
+            loss,
+            constraint,
+            anchor,
+            step2_solver,
+            cutoff_theta_h_degrees,
+            cutoff_theta_d_degrees,
+            starts,
+            max_iterations,
         }
     }
 }
-
-impl FitOptions {
-    /// The published procedure as far as it is known (thesis V.4): plain least squares in both steps, no constraint on the Fresnel
-    /// term, the analytic peak, theta_d up to 70 degrees, Levenberg-Marquardt throughout.
-    pub fn paper() -> Self {
-        Self {
-            loss: Loss::L2,
-            constraint: Constraint::Free,
-            anchor: Anchor::Distribution,
-            step2_solver: Step2Solver::LevenbergMarquardt,
-            cutoff_theta_d_degrees: 70.0,
-            ..Self::default()
-        }
-    }
-
-    /// Refuses options that no fit can follow, naming the option.
-    ///
-    /// # Errors
-    /// One line for the first option outside of its range.
-    pub fn check(&self) -> Result<(), OptionsError> {
-        let refuse = |what: String| Err(OptionsError(what));
-        for (name, degrees) in
-            [("cutoff_theta_h", self.cutoff_theta_h_degrees), ("cutoff_theta_d", self.cutoff_theta_d_degrees)]
-        {
-            if !(10.0..=89.9).contains(&degrees) {
-                return refuse(format!("{name} is {degrees} degrees, it must lie between 10 and 89.9"));
-            }
-        }
-        if self.starts.is_empty() {
-            return refuse("there is no start for step 1: give at least one pair alpha,p".to_owned());
-        }
-        for [alpha, p] in &self.starts {
-            if !(ALPHA_RANGE[0]..=ALPHA_RANGE[1]).contains(alpha) || !(P_RANGE[0]..=P_RANGE[1]).contains(p) {
-                return refuse(format!(
-                    "the start alpha {alpha}, p {p} lies outside of alpha in [1e-6, 1], p in [0, 2]"
-                ));
-            }
-        }
-        if self.max_iterations == 0 {
-            return refuse("max_iterations is 0, it must be at least 1".to_owned());
-        }
-        Ok(())
-    }
-}
-
-/// An option outside of its range.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct OptionsError(pub String);
-
-/// Bounds of alpha in step 1.
-pub const ALPHA_RANGE: [f64; 2] = [1e-6, 1.0];
-/// Bounds of p in step 1.
-pub const P_RANGE: [f64; 2] = [0.0, 2.0];
 
 /// Whether the channels share alpha and p.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -26,7 +26,7 @@ mod slices;
 pub use brdf::MeasuredBrdf;
 pub use error::{MerlError, Place};
 pub use grid::albedo::AlbedoPlan;
-pub use grid::cell_measures::{Grid, PANEL_ANGLE, Row};
+pub use grid::cell_measures::{Grid, PANEL_ANGLE, Row, cosine_drop};
 pub use grid::dimensions::{CHANNEL_NAMES, CHANNEL_SCALE, CHANNELS, Dimensions, NotAMerlGrid, cosines};
 pub use grid::mask::CellMask;
 pub use grid::sample_position::SamplePosition;

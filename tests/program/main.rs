@@ -7,6 +7,7 @@ mod fit;
 mod help;
 mod kill;
 mod malformed;
+mod models;
 mod openexr;
 mod program;
 mod render;

@@ -110,9 +110,9 @@ fn members() {
             ),
             (
                 "/materials/grey/source",
-                json!({ "ggx": { "rho_d": [0, 0, 0], "rho_s": [1, 1, 1], "m": 0 } }),
+                json!({ "ggx": { "rho_d": [0, 0, 0], "rho_s": [1, 1, 1], "alpha": 0 } }),
                 3,
-                "materials.grey.source.ggx.m: 0 is not in 0.0001 to 10",
+                "materials.grey.source.ggx.alpha: 0 is not in 0.0001 to 10",
             ),
             (
                 "/materials/grey/source",

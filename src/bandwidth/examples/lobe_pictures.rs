@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for path in arguments {
         let (_, brdf) = support::open(&path)?;
         let lobes = LobeEstimator::new(brdf.as_ref(), &grid, true, LobeOptions::default());
-        let samples = brdf.lobes(&outgoing);
+        let samples = brdf.towards(&outgoing);
         for degrees in ANGLES {
             let i = direction(degrees.to_radians(), 0.0);
             let [mut r, mut g, mut b] = [(); 3].map(|()| vec![0.0; SIZE * SIZE]);

@@ -17,7 +17,7 @@ use brdfit_bandwidth::{
     AngularMap, Atlas, AtlasChannels, AtlasPlace, Estimator, LOBE_TEXELS, Layout, Lobe, LobeEstimator, LobeGrid,
     LobeMemory, LobeOptions, compute_atlas,
 };
-use brdfit_brdf::{Brdf, Direction, Directions, Lobes, cosine_sample, direction};
+use brdfit_brdf::{Brdf, Direction, Directions, FixedOutgoing, cosine_sample, direction};
 use rayon::prelude::*;
 
 mod support;
@@ -138,7 +138,7 @@ fn by_texel(brdf: &dyn Brdf, lobes: &LobeEstimator<'_>) -> Vec<(Pair, f32)> {
 /// outgoing direction. Here the whole lobe is transformed, by the estimator for images of any kind.
 fn by_sample(brdf: &dyn Brdf, lobes: &LobeEstimator<'_>) -> Vec<(Pair, f32)> {
     let directions: [OnceLock<Directions>; 3] = Default::default();
-    let prepared: [OnceLock<Box<dyn Lobes + '_>>; 3] = Default::default();
+    let prepared: [OnceLock<Box<dyn FixedOutgoing + '_>>; 3] = Default::default();
     let truths = |memory: &mut LobeMemory, k: usize| {
         let i = direction(libm::asin(((k as f64 + 0.5) / FEW as f64).sqrt()), TAU * spread(k)[0]);
         let Lobe { resolution: size, .. } = lobes.estimate(&turned(&i), memory);
@@ -146,7 +146,7 @@ fn by_sample(brdf: &dyn Brdf, lobes: &LobeEstimator<'_>) -> Vec<(Pair, f32)> {
         let which = size.ilog2() as usize - 8;
         let directions =
             directions[which].get_or_init(|| (0..size * size).map(|n| map.direction(n / size, n % size)).collect());
-        let prepared = prepared[which].get_or_init(|| brdf.lobes(directions));
+        let prepared = prepared[which].get_or_init(|| brdf.towards(directions));
         let mut values: [Vec<f32>; 3] = std::array::from_fn(|_| vec![0.0; size * size]);
         prepared.values(&turned(&i), 0, values.each_mut().map(Vec::as_mut_slice));
         let maps = values.map(|values| Estimator::default().local_bandwidth(&values, size, size));

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use brdfit_brdf::{Brdf, Direction, Directions, Lobes};
+use brdfit_brdf::{Brdf, Direction, Directions, FixedOutgoing};
 
 use crate::lobe::mapping::AngularMap;
 
@@ -79,7 +79,7 @@ impl LobeGrid {
 pub(crate) struct LobeSamples<'a> {
     brdf: &'a dyn Brdf,
     grid: &'a LobeGrid,
-    prepared: [Vec<OnceLock<Box<dyn Lobes + 'a>>>; RESOLUTIONS],
+    prepared: [Vec<OnceLock<Box<dyn FixedOutgoing + 'a>>>; RESOLUTIONS],
 }
 
 impl<'a> LobeSamples<'a> {
@@ -95,7 +95,7 @@ impl<'a> LobeSamples<'a> {
     pub(crate) fn row(&self, resolution: usize, i: &Direction, row: usize, first: usize, values: [&mut [f32]; 3]) {
         let (strip, start) = place(resolution, row);
         let lobes = self.prepared[resolution][strip]
-            .get_or_init(|| self.brdf.lobes(&self.grid.strip(resolution, strip).directions));
+            .get_or_init(|| self.brdf.towards(&self.grid.strip(resolution, strip).directions));
         lobes.values(i, start + first, values);
     }
 }

@@ -18,7 +18,7 @@ fn by_definition(brdf: &dyn Brdf, i: &Direction, size: usize) -> Vec<f32> {
     let map = AngularMap::new(size);
     let directions: Directions = (0..size * size).map(|n| map.direction(n / size, n % size)).collect();
     let mut values = [0, 1, 2].map(|_| vec![0.0; size * size]);
-    brdf.lobes(&directions).values(i, 0, values.each_mut().map(|channel| channel.as_mut_slice()));
+    brdf.towards(&directions).values(i, 0, values.each_mut().map(|channel| channel.as_mut_slice()));
     let block = size / LOBE_TEXELS;
     let mut texels = vec![0.0_f32; LOBE_TEXELS * LOBE_TEXELS];
     for channel in values {

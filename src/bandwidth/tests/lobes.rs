@@ -8,20 +8,20 @@ use brdfit_bandwidth::{
     AngularMap, Estimator, LOBE_TEXELS, Layout, Lobe, LobeEstimator, LobeGrid, LobeMemory, LobeOptions,
     direction_to_position, incident_direction,
 };
-use brdfit_brdf::{Brdf, Direction, GgxBrdf, Lambert, direction};
+use brdfit_brdf::{Brdf, Direction, GgxMaterial, Lambert, direction};
 
 /// The default, up to some samples along a side.
 fn at_most(max_resolution: usize) -> LobeOptions {
     LobeOptions { max_resolution, ..LobeOptions::default() }
 }
 
-fn ggx(m: f64) -> GgxBrdf {
-    GgxBrdf { rho_d: [0.0; 3], rho_s: [1.0; 3], m }
+fn ggx(alpha: f64) -> GgxMaterial {
+    GgxMaterial::without_fresnel([0.0; 3], [1.0; 3], alpha).unwrap()
 }
 
 /// As glossy as paint, in three colours.
-fn glossy() -> GgxBrdf {
-    GgxBrdf { rho_d: [0.1, 0.2, 0.4], rho_s: [0.3, 0.4, 0.5], m: 0.12 }
+fn glossy() -> GgxMaterial {
+    GgxMaterial::without_fresnel([0.1, 0.2, 0.4], [0.3, 0.4, 0.5], 0.12).unwrap()
 }
 
 /// One lobe; `mirrored` where its symmetry may be used.
@@ -165,9 +165,9 @@ fn the_symmetry_of_a_lobe_saves_work_only() {
         let i = direction(theta, 0.0);
         let [half, whole] = [true, false].map(|mirrored| lobe(&brdf, &i, mirrored, at_most(1024)));
         let found = deviation(&half, &whole);
-        println!("m {} at {}: {found:.1e}", brdf.m, half.resolution);
+        println!("theta {theta} at {}: {found:.1e}", half.resolution);
         assert_eq!((half.resolution, half.saturated), (whole.resolution, whole.saturated));
-        assert!(found < 1e-5, "m {}: {found}", brdf.m);
+        assert!(found < 1e-5, "theta {theta}: {found}");
         assert_eq!(half, reflected(&half, [1.0, -1.0]));
     }
 }
@@ -202,11 +202,11 @@ fn turned_lobes_have_turned_maps() {
 #[test]
 fn channels_are_apart() {
     let i = direction(0.6, 0.0);
-    let both = GgxBrdf { rho_d: [0.2, 0.5, 0.0], rho_s: [0.5, 0.0, 0.0], m: 0.03 };
+    let both = GgxMaterial::without_fresnel([0.2, 0.5, 0.0], [0.5, 0.0, 0.0], 0.03).unwrap();
     let found = lobe(&both, &i, true, at_most(1024));
     assert!(found.resolution > 256 && at_mirror(&found, 0, &i) > 8.0);
     assert!(found.texels[1..].iter().flatten().all(|&texel| texel == 0.0));
-    let alone = lobe(&GgxBrdf { rho_d: [0.2; 3], rho_s: [0.5; 3], m: 0.03 }, &i, true, at_most(1024));
+    let alone = lobe(&GgxMaterial::without_fresnel([0.2; 3], [0.5; 3], 0.03).unwrap(), &i, true, at_most(1024));
     assert_eq!(found.texels[0], alone.texels[2]);
 }
 

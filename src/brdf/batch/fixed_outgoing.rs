@@ -45,8 +45,8 @@ impl FromIterator<Direction> for Directions {
     }
 }
 
-/// A BRDF made ready for one set of outgoing directions: see [`crate::Brdf::lobes`].
-pub trait Lobes: Send + Sync {
+/// A BRDF made ready for one set of outgoing directions: see [`crate::Brdf::towards`].
+pub trait FixedOutgoing: Send + Sync {
     /// Writes `f(i, o)` in 1/sr of the three channels for the directions `first`, `first + 1`, .. into slices of equal length.
     ///
     /// # Panics
@@ -65,7 +65,7 @@ mod tests {
         let model = Lambert { albedo: [0.1, 0.2, 0.4] };
         let o: Directions = [0.1, 0.8, 2.0].map(|theta| direction(theta, 0.3)).into_iter().collect();
         let (mut r, mut g, mut b) = ([9.0; 2], [9.0; 2], [9.0; 2]);
-        model.lobes(&o).values(&direction(0.5, 0.0), 1, [&mut r, &mut g, &mut b]);
+        model.towards(&o).values(&direction(0.5, 0.0), 1, [&mut r, &mut g, &mut b]);
         assert_eq!((r[1], g[1], b[1]), (0.0, 0.0, 0.0));
         assert_eq!(b[0], (0.4 / std::f64::consts::PI) as f32);
     }

@@ -1,12 +1,7 @@
 //! A tabulated distribution of half vectors around the normal.
 
-use wide::{bytemuck::cast, f32x8, i32x8};
-
-/// Nodes per power of two, as bits of a number's fraction.
-const FRACTION_BITS: u32 = 5;
-/// What is left of the fraction: the place between two nodes.
-const REST_BITS: u32 = 23 - FRACTION_BITS;
-const REST_MASK: i32 = (1 << REST_BITS) - 1;
+use crate::math::fraction_nodes::FractionNodes;
+use wide::f32x8;
 
 /// A distribution of `x = tan^2 theta_h`, uniform in azimuth, with a density that is linear between nodes, constant below the
 /// first and zero beyond the last. What is drawn and its density belong together exactly, up to rounding, however coarse
@@ -19,10 +14,9 @@ const REST_MASK: i32 = (1 << REST_BITS) - 1;
 /// The density of h in 1/sr is `density / (pi cos^3 theta_h)`, that of a direction reflected about it `1 / (4 cos theta_d)` of that.
 #[derive(Clone, Debug)]
 pub struct HalfVectorTable {
+    nodes: FractionNodes,
     /// Density per unit of x at the nodes; the last twice.
-    nodes: Vec<f32>,
-    low: f32,
-    high: f32,
+    densities: Vec<f32>,
     intervals: Vec<Interval>,
     /// Entry c: the interval of the number `c / cells`. Four cells per interval or more: most hold no end of one.
     guide: Vec<u16>,
@@ -48,9 +42,8 @@ impl HalfVectorTable {
     /// Unless 1e-37 < low < high < 1e37.
     pub fn new(density: impl Fn(f64) -> f64, low: f64, high: f64) -> Option<Self> {
         assert!(1e-37 < low && low < high && high < 1e37, "no range: {low} to {high}");
-        let first = (low as f32).to_bits() >> REST_BITS;
-        let last = ((high as f32).to_bits() >> REST_BITS) + 1;
-        let x: Vec<f32> = (first..=last).map(|node| f32::from_bits(node << REST_BITS)).collect();
+        let nodes = FractionNodes::around(low, high);
+        let x: Vec<f32> = nodes.nodes().collect();
         let found: Vec<f64> = x.iter().map(|&x| density(f64::from(x)).max(0.0)).collect();
         // lower end, upper end, densities there
         let ends = |n: usize| match n {
@@ -84,9 +77,9 @@ impl HalfVectorTable {
             .map(|cell| intervals.partition_point(|interval| interval.beyond > cell as f32 / cells as f32) as u16)
             .chain([0])
             .collect();
-        let nodes: Vec<f32> = found.iter().map(|density| (density / total) as f32).collect();
-        let (low, high, end) = (x[0], x[x.len() - 1], nodes[nodes.len() - 1]);
-        Some(Self { nodes: nodes.into_iter().chain([end]).collect(), low, high, intervals, guide })
+        let mut densities: Vec<f32> = found.iter().map(|density| (density / total) as f32).collect();
+        densities.extend(densities.last().copied());
+        Some(Self { nodes, densities, intervals, guide })
     }
 
     /// `tan^2 theta_h` drawn from numbers in [0, 1); it falls as they grow.
@@ -120,14 +113,11 @@ impl HalfVectorTable {
     /// The density with which [`Self::sample_tan_square`] draws `tan^2 theta_h`, per unit of it.
     #[inline]
     pub fn density(&self, tan_square: f32x8) -> f32x8 {
-        let inside = tan_square.simd_le(f32x8::splat(self.high));
-        let held: i32x8 = cast(tan_square.fast_max(f32x8::splat(self.low)).fast_min(f32x8::splat(self.high)));
-        let share = f32x8::from_i32x8(held & i32x8::splat(REST_MASK)) * (1.0 / (1 << REST_BITS) as f32);
-        let place = held - i32x8::splat(self.low.to_bits() as i32);
+        let inside = tan_square.simd_le(f32x8::splat(self.nodes.high()));
+        let (places, share) = self.nodes.place(tan_square);
         let mut ends = [[0.0; 8]; 2];
-        for (lane, place) in place.to_array().into_iter().enumerate() {
-            let node = (place >> REST_BITS) as usize;
-            (ends[0][lane], ends[1][lane]) = (self.nodes[node], self.nodes[node + 1]);
+        for (lane, node) in places.into_iter().enumerate() {
+            (ends[0][lane], ends[1][lane]) = (self.densities[node], self.densities[node + 1]);
         }
         let [lower, upper] = ends.map(f32x8::new);
         inside & (lower + (upper - lower) * share)

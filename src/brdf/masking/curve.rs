@@ -1,8 +1,6 @@
 //! Smith's `G1` of one distribution as a piecewise polynomial, for evaluations by the million.
 
-use crate::distributions::shifted_gamma::ShiftedGamma;
-use crate::masking::smith::SmithG1;
-use wide::f64x4;
+use crate::masking::masking::Masking;
 
 /// Width of an interval in `ln cot theta`.
 const STEP: f64 = 1.0 / 16.0;
@@ -12,8 +10,8 @@ const OFFSET: f64 = 1024.0;
 /// `mu Lambda` as a function of `ln mu`, `mu = cot theta`, on intervals of 1/16, quintic in each (six-point Lagrange).
 ///
 /// In this variable the curve is equally smooth at every roughness, up to the horizon. Largest relative error of `G1`
-/// against the quadrature, over alpha in [1e-6, 1], p in [0, 2] and all of (0, pi/2): 5e-8 (test below). Building it takes
-/// some 200 quadratures.
+/// against the quadrature of the shifted gamma distribution, over alpha in [1e-6, 1], p in [0, 2] and all of (0, pi/2): 5e-8
+/// (test below). Building it takes some 200 quadratures.
 #[derive(Clone, Debug)]
 pub struct G1Curve {
     /// Position of the first interval.
@@ -25,15 +23,12 @@ pub struct G1Curve {
 }
 
 impl G1Curve {
-    /// Tabulates the masking function of a distribution.
-    pub fn new(distribution: &ShiftedGamma) -> Self {
-        let smith = SmithG1::new(distribution);
-        let ln_alpha = libm::log(distribution.alpha());
-        // Below: mu Lambda is linear in mu to 1e-8. Above: a0 > 60, mu Lambda is below 1e-20 mu.
-        let first = ((ln_alpha - 9.5) / STEP).floor() as i32;
-        let last = (0.5 * (libm::log(60.0) + ln_alpha) / STEP).ceil() as i32;
+    /// Tabulates `mu Lambda` as a function of `mu = cot theta` over a range of `ln mu`: below it must be linear in `mu` to
+    /// what accuracy is asked for, above it counts as zero.
+    pub fn new(mu_lambda: impl Fn(f64) -> f64, ln_mu: [f64; 2]) -> Self {
+        let (first, last) = ((ln_mu[0] / STEP).floor() as i32, (ln_mu[1] / STEP).ceil() as i32);
         let node = |n: i32| libm::exp(f64::from(n) * STEP);
-        let samples: Vec<f64> = (first - 2..=last + 3).map(|n| smith.mu_lambda(node(n))).collect();
+        let samples: Vec<f64> = (first - 2..=last + 3).map(|n| mu_lambda(node(n))).collect();
         let intervals = samples.windows(6).map(quintic_through).collect();
         let slope = (samples[2] - samples[1]) / (node(first) - node(first - 1));
         Self { first: first + OFFSET as i32, intervals, low: [samples[2] - slope * node(first), slope] }
@@ -54,10 +49,11 @@ impl G1Curve {
     pub(crate) fn range(&self) -> [f64; 2] {
         [0, self.intervals.len()].map(|n| libm::exp((f64::from(self.first) + n as f64 - OFFSET) * STEP))
     }
+}
 
-    /// `mu Lambda` at a position, with `mu = cos theta / sin theta`.
+impl Masking for G1Curve {
     #[inline]
-    pub(crate) fn mu_lambda(&self, position: f64, cos_theta: f64, sin_theta: f64) -> f64 {
+    fn mu_lambda(&self, cos_theta: f64, sin_theta: f64, position: f64) -> f64 {
         let cell = position as i32;
         let interval = cell - self.first;
         if interval < 0 {
@@ -72,21 +68,7 @@ impl G1Curve {
         }
     }
 
-    /// `G1 / cos theta` from the cosine and sine of theta (cosine above zero) and their [`Self::position`].
-    #[inline]
-    pub fn g1_over_cos(&self, cos_theta: f64, sin_theta: f64, position: f64) -> f64 {
-        1.0 / (cos_theta + sin_theta * self.mu_lambda(position, cos_theta, sin_theta))
-    }
-
-    /// `mu Lambda` of four directions: `G1 / cos theta = 1 / (cos theta + sin theta mu Lambda)`.
-    #[inline]
-    pub fn four_mu_lambdas(&self, positions: [f64; 4], cos_theta: f64x4, sin_theta: f64x4) -> f64x4 {
-        let (cos, sin) = (cos_theta.to_array(), sin_theta.to_array());
-        f64x4::from(std::array::from_fn(|n| self.mu_lambda(positions[n], cos[n], sin[n])))
-    }
-
-    /// `G1` at theta in radians.
-    pub fn g1(&self, theta: f64) -> f64 {
+    fn g1(&self, theta: f64) -> f64 {
         let (cos, sin) = (libm::cos(theta), libm::sin(theta));
         if cos <= 0.0 {
             0.0
@@ -114,6 +96,8 @@ fn quintic_through(y: &[f64]) -> [f64; 6] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::distributions::normal_distribution::NormalDistribution;
+    use crate::distributions::shifted_gamma::ShiftedGamma;
 
     #[test]
     fn a_quintic_is_reproduced() {
@@ -130,11 +114,11 @@ mod tests {
         for alpha in [1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.5, 1.0] {
             for p in [0.0, 0.4, 0.9, 1.0, 1.5, 2.0] {
                 let distribution = ShiftedGamma::new(alpha, p).unwrap();
-                let (curve, smith) = (G1Curve::new(&distribution), SmithG1::new(&distribution));
+                let curve = distribution.masking();
                 for n in 1..400 {
                     // dense towards the horizon: cot theta from 1e2 down to 1e-12
                     let theta = libm::atan(libm::exp(-4.6 + f64::from(n) * 0.081));
-                    let exact = smith.g1(theta);
+                    let exact = distribution.g1(theta);
                     worst = worst.max((curve.g1(theta) / exact - 1.0).abs());
                 }
                 assert_eq!((curve.g1(0.0), curve.g1(2.0)), (1.0, 0.0));

@@ -8,7 +8,6 @@
 //! which one fixed double-exponential rule handles for every (alpha, p, theta). What is computed is `mu Lambda`, finite up
 //! to grazing: `G1 = mu / (mu + mu Lambda)`.
 
-use crate::distributions::shifted_gamma::ShiftedGamma;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 use wide::f64x4;
@@ -50,10 +49,10 @@ pub(crate) fn laguerre_rule() -> impl Iterator<Item = (f64, f64)> {
     })
 }
 
-/// Smith's `G1` of one distribution, exact up to quadrature: within 2e-13 of an mpmath integration of the original
-/// definition for alpha in [1e-6, 1], p in [0, 2] (`data-fixtures/sgd.json`; `docs/accuracy.md`).
+/// Smith's `mu Lambda` of one shifted gamma distribution, exact up to quadrature: `G1` is within 2e-13 of an mpmath
+/// integration of the original definition for alpha in [1e-6, 1], p in [0, 2] (`data-fixtures/sgd.json`; `docs/accuracy.md`).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SmithG1 {
+pub(crate) struct SmithIntegral {
     alpha: f64,
     p: f64,
     /// `ln(alpha K / pi)` and its derivatives with respect to alpha and p.
@@ -61,57 +60,19 @@ pub struct SmithG1 {
     ln_scale_slopes: [f64; 2],
 }
 
-impl SmithG1 {
-    /// The masking function that belongs to a distribution (thesis eq. III.4).
-    pub fn new(distribution: &ShiftedGamma) -> Self {
-        let alpha = distribution.alpha();
-        let [by_alpha, by_p] = distribution.ln_k_slopes();
-        Self {
-            alpha,
-            p: distribution.p(),
-            ln_scale: libm::log(alpha / PI) + distribution.ln_k(),
-            ln_scale_slopes: [by_alpha + 1.0 / alpha, by_p],
-        }
-    }
-
-    /// `G1` at theta in radians: 1 at the normal, 0 at and below the horizon.
-    pub fn g1(&self, theta: f64) -> f64 {
-        self.g1_from(libm::cos(theta), libm::sin(theta))
-    }
-
-    /// `G1` from the cosine and sine of theta.
-    pub fn g1_from(&self, cos_theta: f64, sin_theta: f64) -> f64 {
-        if cos_theta <= 0.0 {
-            return 0.0;
-        }
-        if sin_theta <= 0.0 {
-            return 1.0;
-        }
-        cos_theta / (cos_theta + sin_theta * self.mu_lambda(cos_theta / sin_theta))
-    }
-
-    /// `(G1, [dG1/dalpha, dG1/dp])` at theta in radians.
-    pub fn g1_with_slopes(&self, theta: f64) -> (f64, [f64; 2]) {
-        let (sin, cos) = (libm::sin(theta), libm::cos(theta));
-        if cos <= 0.0 {
-            return (0.0, [0.0; 2]);
-        }
-        if sin <= 0.0 {
-            return (1.0, [0.0; 2]);
-        }
-        let (m, slopes) = self.mu_lambda_with_slopes(cos / sin);
-        let g1 = cos / (cos + sin * m);
-        let by_m = -g1 * sin / (cos + sin * m);
-        (g1, slopes.map(|slope| by_m * slope))
+impl SmithIntegral {
+    /// Of the distribution with these parameters, `ln K` and its derivatives (thesis eq. III.4).
+    pub(crate) fn new(alpha: f64, p: f64, ln_k: f64, [by_alpha, by_p]: [f64; 2]) -> Self {
+        Self { alpha, p, ln_scale: libm::log(alpha / PI) + ln_k, ln_scale_slopes: [by_alpha + 1.0 / alpha, by_p] }
     }
 
     /// `mu Lambda` at `mu = cot theta > 0`; zero where `Lambda` is below 1e-19.
-    pub fn mu_lambda(&self, mu: f64) -> f64 {
+    pub(crate) fn mu_lambda(&self, mu: f64) -> f64 {
         self.integrate(mu, |_, _, value, _, sums| sums[0] += value)[0]
     }
 
     /// `mu Lambda` and its derivatives with respect to alpha and p at fixed `mu = cot theta > 0`.
-    pub fn mu_lambda_with_slopes(&self, mu: f64) -> (f64, [f64; 2]) {
+    pub(crate) fn mu_lambda_with_slopes(&self, mu: f64) -> (f64, [f64; 2]) {
         let a0_slope = 1.0 - mu * mu / (self.alpha * self.alpha);
         let sums = self.integrate(mu, |a, ln_a, value, widening, sums| {
             sums[0] += value;
@@ -159,9 +120,11 @@ impl SmithG1 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::distributions::normal_distribution::NormalDistribution;
+    use crate::distributions::shifted_gamma::ShiftedGamma;
 
-    fn smith(alpha: f64, p: f64) -> SmithG1 {
-        SmithG1::new(&ShiftedGamma::new(alpha, p).unwrap())
+    fn smith(alpha: f64, p: f64) -> ShiftedGamma {
+        ShiftedGamma::new(alpha, p).unwrap()
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Directions and the half/difference parametrisation.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// A unit vector in the local frame of the surface: the normal is +z.
 pub type Direction = nalgebra::Vector3<f64>;
@@ -60,6 +60,16 @@ impl HalfDifference {
 /// The mirror image of `v` about the unit vector `m`: `2 (v.m) m - v`.
 pub fn reflect(v: &Direction, m: &Direction) -> Direction {
     m * (2.0 * v.dot(m)) - v
+}
+
+/// A direction with density `cos theta / pi` from two numbers in [0, 1).
+pub fn cosine_sample(u: [f64; 2]) -> Direction {
+    direction(libm::asin(u[1].sqrt()), TAU * u[0])
+}
+
+/// The sine that belongs to a cosine in [0, 1].
+pub(crate) fn sine(cos: f64) -> f64 {
+    ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt()
 }
 
 #[cfg(test)]

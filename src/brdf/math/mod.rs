@@ -2,6 +2,7 @@
 
 pub(crate) mod direction;
 pub(crate) mod dual;
+pub(crate) mod fraction_nodes;
 pub(crate) mod gamma;
 pub(crate) mod log_exp;
 pub(crate) mod simd;

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use brdfit_brdf::ModelName;
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::args::value_enums::{AnchorArg, ConstraintArg, LossArg, PositionArg, SolverArg};
 use crate::args::{BATCH, OUTPUT};
@@ -59,6 +61,11 @@ pub(crate) struct FitArgs {
     #[arg(long, help_heading = BATCH)]
     pub(crate) accept_non_finite: bool,
 
+    /// The distribution of normals: sgd is the shifted gamma distribution, ggx
+    /// has one shape parameter less
+    #[arg(long, value_name = "NAME", help_heading = MODEL, value_parser = models(), default_value_t)]
+    pub(crate) model: ModelName,
+
     /// Where in its cell a sample lies [default: edge]
     #[arg(long, value_name = "WHERE", help_heading = MODEL)]
     pub(crate) sample_position: Option<PositionArg>,
@@ -73,7 +80,7 @@ pub(crate) struct FitArgs {
     #[arg(long, value_name = "WHAT", help_heading = MODEL)]
     pub(crate) constraint: Option<ConstraintArg>,
 
-    /// One distribution (alpha, p) for R, G and B instead of three
+    /// One distribution for R, G and B instead of three
     #[arg(long, help_heading = MODEL)]
     pub(crate) joint: bool,
 
@@ -94,10 +101,11 @@ pub(crate) struct FitArgs {
     #[arg(long, value_name = "DEG", help_heading = SOLVER, allow_negative_numbers = true)]
     pub(crate) cutoff_theta_d: Option<f64>,
 
-    /// A start of step 1, may be repeated; the best result wins
-    /// [default: 1e-4,0.4 3e-3,0.4 0.1,0.4 0.9,0.1 1e-5,0.4]
-    #[arg(long, value_name = "ALPHA,P", help_heading = SOLVER, value_parser = start, allow_hyphen_values = true)]
-    pub(crate) start: Vec<[f64; 2]>,
+    /// A start of step 1, the shape parameters of the model (alpha,p for sgd,
+    /// alpha for ggx), may be repeated; the best result wins
+    /// [default for sgd: 1e-4,0.4 3e-3,0.4 0.1,0.4 0.9,0.1 1e-5,0.4]
+    #[arg(long, value_name = "ALPHA[,P]", help_heading = SOLVER, value_parser = start, allow_hyphen_values = true)]
+    pub(crate) start: Vec<Start>,
 
     /// Limit of iterations of each search and each finish [default: 200]
     #[arg(long, value_name = "N", help_heading = SOLVER)]
@@ -118,12 +126,21 @@ Examples:
   brdfit fit brdfs -o fits --constraint paper  the published procedure
 A bad file is reported, recorded in the summary, and the rest is fitted.";
 
-/// Reads `ALPHA,P`.
-fn start(text: &str) -> Result<[f64; 2], String> {
-    let wrong = || "a start is two numbers, for instance 1e-3,0.4".to_owned();
-    let (alpha, p) = text.split_once(',').ok_or_else(wrong)?;
-    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| wrong());
-    Ok([number(alpha)?, number(p)?])
+/// The names of the models.
+fn models() -> impl TypedValueParser<Value = ModelName> {
+    let names = ModelName::ALL.iter().map(|model| model.as_str());
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<ModelName>())
+}
+
+/// Shape parameters; how many there must be depends on the model.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Start(pub(crate) Vec<f64>);
+
+/// Reads numbers with commas between.
+fn start(text: &str) -> Result<Start, String> {
+    let number = |text: &str| text.trim().parse::<f64>();
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(number).collect();
+    numbers.map(Start).map_err(|_| "a start is one number per shape parameter, for instance 1e-3,0.4".to_owned())
 }
 
 #[cfg(test)]
@@ -138,15 +155,16 @@ mod tests {
         let fit = command.find_subcommand("fit").unwrap();
         let help =
             fit.get_arguments().find(|argument| argument.get_id() == "start").unwrap().get_help().unwrap().to_string();
-        let (_, listed) = help.trim_end_matches(']').split_once("[default: ").unwrap();
-        let listed: Vec<[f64; 2]> = listed.split_whitespace().map(|pair| start(pair).unwrap()).collect();
+        let (_, listed) = help.trim_end_matches(']').split_once("[default for sgd: ").unwrap();
+        let listed: Vec<Vec<f64>> = listed.split_whitespace().map(|pair| start(pair).unwrap().0).collect();
         assert_eq!(listed, brdfit_fit::FitOptions::default().starts);
     }
 
     #[test]
-    fn a_start_is_two_numbers() {
-        assert_eq!(start("1e-3, 0.4").unwrap(), [1e-3, 0.4]);
-        for bad in ["", "1", "1;2", "a,b", "1,2,3", ","] {
+    fn a_start_is_numbers() {
+        assert_eq!(start("1e-3, 0.4").unwrap().0, [1e-3, 0.4]);
+        assert_eq!(start("0.2").unwrap().0, [0.2]);
+        for bad in ["", "1;2", "a,b", "1,", ","] {
             assert!(start(bad).is_err(), "{bad}");
         }
     }

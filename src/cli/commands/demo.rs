@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use brdfit_bandwidth::sidecar::FileContent;
-use brdfit_brdf::SgdParameters;
-use brdfit_fit::document::{CHANNELS, FitDocument};
+use brdfit_fit::document::FitDocument;
 use brdfit_fit::{FitOptions, synthesise};
-use brdfit_measured::{Dimensions, write_merl};
+use brdfit_measured::{CHANNEL_NAMES, Dimensions, SamplePosition, write_merl};
 
 use crate::args::demo::DemoArgs;
 use crate::args::embedded_materials::{self, Embedded};
@@ -17,7 +16,7 @@ use crate::jobs::atlas_job::{AtlasJob, AtlasMaker, Sidecar, file_name};
 use crate::jobs::fit_job::Job;
 use crate::jobs::fit_plan::{FitPlan, Target};
 use crate::jobs::inputs::{InputFile, Wanted};
-use crate::jobs::material_source::{Origin, sgd};
+use crate::jobs::material_source::Origin;
 use crate::report::demo_picture::PictureFiles;
 use crate::results::documents;
 use crate::results::output;
@@ -28,17 +27,24 @@ use crate::terminal::table::{Align, Table};
 pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome> {
     let material = embedded_materials::material(&args.material)
         .ok_or_else(|| Problem::usage(format!("{}: no such material; see brdfit demo --help", args.material)))?;
-    let options = FitOptions::default();
+    let (model, sample_position) = (material.parameters().model(), SamplePosition::default());
     output::folder(&args.output)?;
     let files = Files::new(&args.output, material.name);
 
     let start = Instant::now();
-    make(material, &options, &files.binary)?;
+    make(material, sample_position, &files.binary)?;
     let made = start.elapsed();
     let plan = FitPlan {
         inputs: vec![InputFile::new(files.binary.clone(), Wanted::Measured)?],
         target: Target::Folder(args.output.clone()),
-        job: Job { options, scan: true, panel: true, accept_non_finite: false },
+        job: Job {
+            model,
+            sample_position,
+            options: FitOptions::new(model),
+            scan: true,
+            panel: true,
+            accept_non_finite: false,
+        },
         resume: false,
         picture: true,
         atlas: false,
@@ -66,10 +72,9 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome>
 }
 
 /// Writes the MERL file of a material.
-fn make(material: &Embedded, options: &FitOptions, path: &Path) -> Result<(), Problem> {
+fn make(material: &Embedded, position: SamplePosition, path: &Path) -> Result<(), Problem> {
     let dimensions = Dimensions::HALF_TURN;
-    let planes = synthesise(&material.parameters, dimensions, options.sample_position)
-        .map_err(|error| Problem::computation(format!("{}: {error}", material.name)))?;
+    let planes = synthesise(&material.parameters(), dimensions, position);
     output::write_with(path, |mut out| {
         write_merl(&mut out, dimensions, |channel, theta_h, theta_d, phi_d| {
             planes[channel][dimensions.index(theta_h, theta_d, phi_d)]
@@ -82,7 +87,7 @@ fn make_atlas(material: &Embedded, folder: &Path) -> Result<Sidecar, Problem> {
     let mut job = AtlasJob::default();
     job.files.push(FileContent::PngPreview);
     let origin = Origin::fit(material.name, None);
-    AtlasMaker::new(job).make(&sgd(material.parameters, material.name)?, origin, material.name)?.write(folder)
+    AtlasMaker::new(job).make(material.parameters().brdf().as_ref(), origin, material.name)?.write(folder)
 }
 
 /// What the demo leaves behind.
@@ -152,15 +157,21 @@ fn report(material: &Embedded, document: &FitDocument, atlas: &Sidecar, files: &
 
 /// The parameters that the file was made from above those that the fit found.
 fn parameters(material: &Embedded, document: &FitDocument, console: &Console) -> Table {
-    let numbers = ["rho_d", "rho_s", "alpha", "p", "F0", "F1", "E", "L", "C"].map(|title| (title, Align::Right));
-    let [d, s, a, p, f0, f1, e, l, c] = numbers;
-    let mut table = Table::new([("", Align::Left), ("", Align::Left), d, s, a, p, f0, f1, e, l, c]);
-    for (n, (made_from, found)) in material.parameters.iter().zip(&document.channels).enumerate() {
-        let heading = [console.paint(Tone::Strong, CHANNELS[n]), "made from".to_owned()];
-        table.row(heading.into_iter().chain(six(made_from).map(|value| format!("{value}"))));
+    let made_from = material.parameters();
+    let known = made_from.model().model().parameters();
+    let titles = known.iter().map(|parameter| match parameter.symbol {
+        ("F", index) => format!("F{index}"),
+        _ => parameter.name.to_owned(),
+    });
+    let numbers = titles.chain(["E", "L", "C"].map(str::to_owned)).map(|title| (title, Align::Right));
+    let mut table =
+        Table::new([String::new(), String::new()].map(|title| (title, Align::Left)).into_iter().chain(numbers));
+    for (n, found) in document.channels.iter().enumerate() {
+        let heading = [console.paint(Tone::Strong, CHANNEL_NAMES[n]), "made from".to_owned()];
+        table.row(heading.into_iter().chain(made_from.channel(n).iter().map(|value| format!("{value}"))));
         let errors = document.errors.as_ref().map(|panel| [panel.e[n], panel.l[n], panel.c[n]]);
         let errors = errors.into_iter().flatten().map(|value| format!("{value:.1e}"));
-        let found = six(&found.parameters).map(|value| format!("{value:.6}"));
+        let found = found.parameters.iter().map(|(_, value)| format!("{value:.6}"));
         table.row([String::new(), "found".to_owned()].into_iter().chain(found).chain(errors));
     }
     table
@@ -168,14 +179,12 @@ fn parameters(material: &Embedded, document: &FitDocument, console: &Console) ->
 
 /// Largest relative difference between a parameter and the one that was found.
 fn largest_difference(material: &Embedded, document: &FitDocument) -> f64 {
-    let pairs = material.parameters.iter().zip(&document.channels);
-    pairs
-        .flat_map(|(made_from, found)| six(made_from).into_iter().zip(six(&found.parameters)))
-        .map(|(made_from, found)| ((found - made_from) / made_from).abs())
+    let made_from = material.parameters();
+    let channels = document.channels.iter().enumerate();
+    channels
+        .flat_map(|(n, found)| {
+            made_from.named(n).iter().map(|(name, value)| (value, found.parameters.get(name))).collect::<Vec<_>>()
+        })
+        .map(|(made_from, found)| found.map_or(f64::INFINITY, |found| ((found - made_from) / made_from).abs()))
         .fold(0.0, f64::max)
-}
-
-fn six(parameters: &SgdParameters) -> [f64; 6] {
-    let SgdParameters { rho_d, rho_s, alpha, p, f0, f1 } = *parameters;
-    [rho_d, rho_s, alpha, p, f0, f1]
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use brdfit_brdf::MaterialParameters;
 use brdfit_fit::document::{Failure, FitDocument, SummaryRow};
 use tracing::info;
 
@@ -11,7 +12,7 @@ use crate::jobs::batch;
 use crate::jobs::fit_job::Fitter;
 use crate::jobs::fit_plan::{FitPlan, Target};
 use crate::jobs::inputs::InputFile;
-use crate::jobs::material_source::{Origin, sgd};
+use crate::jobs::material_source::Origin;
 use crate::report::slices;
 use crate::results::documents;
 use crate::results::json;
@@ -48,7 +49,7 @@ pub(crate) fn fill(folder: &Path, plan: &FitPlan, console: &Console) -> anyhow::
     let work = |input: &InputFile| fit(input, &fitter, atlases.as_ref(), folder, plan);
     let results = batch::each_on_its_own(&plan.inputs, usize::MAX, "fitting", console, label, work)?;
 
-    let mut summary = summary::new(plan.job.options.clone());
+    let mut summary = summary::new(&plan.job);
     let (mut outcome, mut kept) = (Outcome::Done, 0);
     for (input, result) in plan.inputs.iter().zip(results) {
         match result {
@@ -113,7 +114,7 @@ fn fit(
     }
     let row = SummaryRow::from(&document);
     if let Some(maker) = atlases
-        && let Err(error) = add_atlas(&row, &bytes, maker, folder, plan)?
+        && let Err(error) = add_atlas(&row.name, &bytes, maker, folder, plan)?
     {
         return Ok(Err(error.into()));
     }
@@ -122,18 +123,18 @@ fn fit(
 
 /// Makes the atlas of a fit, as `brdfit atlas` does of its document, `bytes`. The errors are those of [`fit`].
 fn add_atlas(
-    row: &SummaryRow,
+    name: &str,
     bytes: &[u8],
     maker: &AtlasMaker,
     folder: &Path,
     plan: &FitPlan,
 ) -> Result<Result<(), Problem>, Problem> {
-    let name = &row.name;
     let origin = Origin::fit(name, Some(documents::sha256(bytes)));
     if plan.resume && maker.reusable(folder, &origin).is_some() {
         return Ok(Ok(()));
     }
-    match sgd(row.parameters, name).and_then(|material| maker.make(&material, origin, name)) {
+    let material = MaterialParameters::read(bytes).expect("the document of a fit holds a material").brdf();
+    match maker.make(material.as_ref(), origin, name) {
         Ok(made) => made.write(folder).map(|_| Ok(())),
         Err(error) => Ok(Err(error)),
     }

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use brdfit_brdf::SgdParameters;
-use brdfit_fit::document::CHANNELS;
+use brdfit_brdf::MaterialParameters;
 use brdfit_fit::synthesise;
-use brdfit_measured::{Dimensions, SamplePosition, write_merl};
+use brdfit_measured::{CHANNEL_NAMES, Dimensions, SamplePosition, write_merl};
 use serde::Deserialize;
 
 use crate::args::SynthArgs;
@@ -30,10 +29,9 @@ pub(crate) fn run(args: &SynthArgs, console: &Console) -> anyhow::Result<Outcome
     let position = args.sample_position.map(Into::into).or(source.sample_position).unwrap_or_default();
 
     let label = args.source.display();
-    let planes = synthesise(&source.parameters, dimensions, position)
-        .map_err(|error| Problem::invalid(format!("{label}: {error}; correct the parameter")))?;
+    let planes = synthesise(&source.parameters, dimensions, position);
     if let Some(channel) = planes.iter().position(|plane| plane.iter().any(|f| !f.is_finite())) {
-        let name = CHANNELS[channel];
+        let name = CHANNEL_NAMES[channel];
         let message = format!("{label}: the model of channel {name} overflows; correct its parameters");
         return Err(Problem::computation(message).into());
     }
@@ -54,9 +52,9 @@ pub(crate) fn run(args: &SynthArgs, console: &Console) -> anyhow::Result<Outcome
 }
 
 /// What a file is made from.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Source {
-    parameters: [SgdParameters; 3],
+    parameters: MaterialParameters,
     dimensions: Option<[usize; 3]>,
     sample_position: Option<SamplePosition>,
 }
@@ -77,14 +75,14 @@ impl Source {
     /// A result or an embedded material, as [`embedded_materials::find`] decides.
     fn find(source: &Path) -> Result<Self, Problem> {
         match embedded_materials::find(source)? {
-            Some(material) => Ok(Self { parameters: material.parameters, dimensions: None, sample_position: None }),
+            Some(material) => Ok(Self { parameters: material.parameters(), dimensions: None, sample_position: None }),
             None => Self::read(source),
         }
     }
 
     fn read(path: &Path) -> Result<Self, Problem> {
         let result = Document::open(path, "a fit result")?;
-        let parameters = result.material()?.parameters();
+        let parameters = result.material()?;
         let Measured { input } = result.decode()?;
         let (dimensions, sample_position) =
             input.map_or((None, None), |input| (input.dimensions, input.sample_position));

@@ -2,9 +2,10 @@
 
 use std::sync::OnceLock;
 
+use brdfit_brdf::{MaterialParameters, ModelName};
 use brdfit_fit::document::{ErrorPanel, FitDocument, Input, SCHEMA_VERSION};
-use brdfit_fit::{FitError, FitOptions, PanelGeometry, error_panel, fit_slices};
-use brdfit_measured::{Dimensions, MerlError, MerlFile, Scan};
+use brdfit_fit::{FitError, FitOptions, PanelGeometry, RecordedOptions, error_panel, fit_slices};
+use brdfit_measured::{Dimensions, MerlError, MerlFile, SamplePosition, Scan};
 use tracing::{debug, info};
 
 use crate::jobs::batch::in_pool;
@@ -17,6 +18,10 @@ pub(crate) const PROGRAM: &str = concat!("brdfit ", env!("CARGO_PKG_VERSION"));
 /// What is done with each file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Job {
+    /// What is fitted.
+    pub(crate) model: ModelName,
+    /// Where in its cell a sample lies.
+    pub(crate) sample_position: SamplePosition,
     /// How it is fitted.
     pub(crate) options: FitOptions,
     /// Whether the whole file is read, for its hash and for cells that are no numbers.
@@ -25,6 +30,13 @@ pub(crate) struct Job {
     pub(crate) panel: bool,
     /// Whether cells that are no numbers count as cells without a measurement.
     pub(crate) accept_non_finite: bool,
+}
+
+impl Job {
+    /// The options as documents record them.
+    pub(crate) fn recorded(&self) -> RecordedOptions {
+        RecordedOptions::new(&self.options, self.sample_position)
+    }
 }
 
 /// Fits files that share a job, and with it the geometry of their grid.
@@ -87,7 +99,7 @@ impl Fitter {
             name: input.name.clone(),
             sha256: scan.as_ref().map(Scan::sha256_hex),
             dimensions: file.dimensions().shape(),
-            sample_position: self.job.options.sample_position,
+            sample_position: self.job.sample_position,
             valid_fraction: scan.as_ref().map(Scan::valid_fraction),
         };
         Ok(Opened { file, scan, input })
@@ -100,8 +112,8 @@ impl Fitter {
     pub(crate) fn fit(&self, opened: Opened) -> Result<FitDocument, Problem> {
         let Opened { file, scan, input } = opened;
         let label = file.path().display();
-        let position = self.job.options.sample_position;
-        let fit = in_pool(|| fit_slices(&file.slices(position), &self.job.options));
+        let Job { model, sample_position, options, .. } = &self.job;
+        let fit = in_pool(|| fit_slices(&file.slices(*sample_position), *model, options));
         let fit = fit.map_err(|error| match error {
             FitError::FewRows { .. } => Problem::invalid(format!("{label}: {error}")),
             _ => Problem::computation(format!("{label}: {error}")),
@@ -110,39 +122,30 @@ impl Fitter {
             debug!(file = %label, channel = channel.name, parameters = ?channel.parameters, flags = ?channel.flags, "fitted");
         }
         let errors = match &scan {
-            Some(scan) if self.job.panel => {
-                let parameters = fit.channels.each_ref().map(|channel| channel.parameters);
-                Some(self.panel(&file, scan, &parameters)?)
-            }
+            Some(scan) if self.job.panel => Some(self.panel(&file, scan, &fit.parameters)),
             _ => None,
         };
         Ok(FitDocument {
             schema_version: SCHEMA_VERSION,
             program: PROGRAM.to_owned(),
             input,
-            options: self.job.options.clone(),
-            model: "sgd".to_owned(),
+            options: self.job.recorded(),
+            model: *model,
             channels: fit.channels.into(),
             errors,
             slices: fit.slices,
         })
     }
 
-    fn panel(
-        &self,
-        file: &MerlFile,
-        scan: &Scan,
-        parameters: &[brdfit_brdf::SgdParameters; 3],
-    ) -> Result<ErrorPanel, Problem> {
+    fn panel(&self, file: &MerlFile, scan: &Scan, parameters: &MaterialParameters) -> ErrorPanel {
         let geometry = self.geometry(file.dimensions());
         in_pool(|| error_panel(file, scan.valid(), geometry, parameters))
-            .map_err(|error| Problem::computation(format!("{}: {error}", file.path().display())))
     }
 
     /// The geometry of the panel, made when it is first asked for. The caller must not be a thread of the pool: one that
     /// waits for its own work there would wait for ever.
     fn geometry(&self, dimensions: Dimensions) -> &PanelGeometry {
         let cell = if dimensions.is_folded() { &self.half_turn } else { &self.full_turn };
-        cell.get_or_init(|| in_pool(|| PanelGeometry::new(dimensions, self.job.options.sample_position)))
+        cell.get_or_init(|| in_pool(|| PanelGeometry::new(dimensions, self.job.sample_position)))
     }
 }

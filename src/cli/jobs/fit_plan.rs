@@ -75,6 +75,8 @@ impl FitPlan {
             inputs = shard.part(inputs);
         }
         let job = Job {
+            model: args.model,
+            sample_position: args.sample_position.map(Into::into).unwrap_or_default(),
             options,
             scan: !args.no_hash,
             panel: !args.no_panel && !args.no_hash,
@@ -100,11 +102,10 @@ fn check_names(inputs: &[InputFile]) -> Result<(), Problem> {
 /// The options of the fit: a preset, and what was said about single ones.
 fn options(args: &FitArgs) -> Result<FitOptions, Problem> {
     let preset = match args.constraint {
-        Some(ConstraintArg::Paper) => FitOptions::paper(),
-        _ => FitOptions::default(),
+        Some(ConstraintArg::Paper) => FitOptions::published(args.model),
+        _ => FitOptions::new(args.model),
     };
     let options = FitOptions {
-        sample_position: args.sample_position.map_or(preset.sample_position, Into::into),
         distribution: if args.joint { DistributionSharing::Joint } else { preset.distribution },
         loss: args.loss.map_or(preset.loss, Into::into),
         constraint: args.constraint.map_or(preset.constraint, ConstraintArg::constraint),
@@ -112,10 +113,14 @@ fn options(args: &FitArgs) -> Result<FitOptions, Problem> {
         step2_solver: args.step2_solver.map_or(preset.step2_solver, Into::into),
         cutoff_theta_h_degrees: args.cutoff_theta_h.unwrap_or(preset.cutoff_theta_h_degrees),
         cutoff_theta_d_degrees: args.cutoff_theta_d.unwrap_or(preset.cutoff_theta_d_degrees),
-        starts: if args.start.is_empty() { preset.starts } else { args.start.clone() },
+        starts: if args.start.is_empty() {
+            preset.starts
+        } else {
+            args.start.iter().map(|start| start.0.clone()).collect()
+        },
         max_iterations: args.max_iterations.unwrap_or(preset.max_iterations),
     };
-    options.check().map_err(|error| Problem::usage(format!("{error}; see brdfit fit --help")))?;
+    options.check(args.model).map_err(|error| Problem::usage(format!("{error}; see brdfit fit --help")))?;
     Ok(options)
 }
 
@@ -156,6 +161,7 @@ impl fmt::Display for Shard {
 mod tests {
     use super::*;
     use crate::args::{Cli, Command};
+    use brdfit_brdf::ModelName;
     use brdfit_fit::{Constraint, Loss};
     use clap::Parser;
 
@@ -175,14 +181,14 @@ mod tests {
     #[test]
     fn the_preset_is_a_start_and_single_options_change_it() {
         let paper = plan("brdfit fit x.binary --constraint paper").unwrap().job.options;
-        assert_eq!(paper, FitOptions::paper());
+        assert_eq!(paper, FitOptions::published(ModelName::default()));
         let mixed =
             plan("brdfit fit x --constraint paper --loss sqrt-cos --cutoff-theta-d 60 --start 0.1,0.2").unwrap();
         let expected = FitOptions {
             loss: Loss::SqrtCos,
             cutoff_theta_d_degrees: 60.0,
-            starts: vec![[0.1, 0.2]],
-            ..FitOptions::paper()
+            starts: vec![vec![0.1, 0.2]],
+            ..FitOptions::published(ModelName::default())
         };
         assert_eq!(mixed.job.options, expected);
         let free = plan("brdfit fit x --constraint free").unwrap().job.options;
@@ -202,6 +208,9 @@ mod tests {
             ("brdfit fit x --cutoff-theta-d nan", "cutoff_theta_d"),
             ("brdfit fit x --start 2,0.4", "alpha 2"),
             ("brdfit fit x --start 0.1,-1", "p -1"),
+            ("brdfit fit x --start 0.1", "alpha,p, not 1 number"),
+            ("brdfit fit x --model ggx --start 0.1,0.4", "a start of the model ggx is alpha, not 2 numbers"),
+            ("brdfit fit x --model ggx --start 3", "alpha 3 lies outside of alpha in [1e-4, 2]"),
             ("brdfit fit x --max-iterations 0", "max_iterations"),
         ] {
             let message = plan(line).unwrap_err().to_string();

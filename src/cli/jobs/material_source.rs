@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use brdfit_bandwidth::sidecar::{Source, SourceKind};
-use brdfit_brdf::{Brdf, SgdMaterial, SgdParameters};
+use brdfit_brdf::{Brdf, MaterialParameters};
 use brdfit_measured::{MeasuredBrdf, MerlFile, SamplePosition};
 use tracing::info;
 
@@ -59,7 +59,7 @@ pub(crate) struct OpenedMaterial {
 #[derive(Debug)]
 enum Content {
     Measured(MerlFile, SamplePosition),
-    Fit([SgdParameters; 3]),
+    Fit(MaterialParameters),
 }
 
 impl MaterialInput {
@@ -115,12 +115,13 @@ impl MaterialInput {
             }
             Self::Fit(InputFile { path, name }) => {
                 let document = Document::open(path, "a fit result")?;
-                let parameters = document.material()?.parameters();
+                let parameters = document.material()?;
                 OpenedMaterial { origin: Origin::fit(name, Some(document.sha256())), content: Content::Fit(parameters) }
             }
-            Self::Embedded(material) => {
-                OpenedMaterial { origin: Origin::fit(material.name, None), content: Content::Fit(material.parameters) }
-            }
+            Self::Embedded(material) => OpenedMaterial {
+                origin: Origin::fit(material.name, None),
+                content: Content::Fit(material.parameters()),
+            },
         })
     }
 }
@@ -134,16 +135,8 @@ impl OpenedMaterial {
         in_pool(|| {
             Ok(match self.content {
                 Content::Measured(file, position) => Box::new(MeasuredBrdf::new(&file, position)?) as Box<dyn Brdf>,
-                Content::Fit(parameters) => Box::new(sgd(parameters, &self.origin.source.name)?),
+                Content::Fit(parameters) => parameters.brdf(),
             })
         })
     }
-}
-
-/// The material with these parameters.
-///
-/// # Errors
-/// Parameters outside of the model's domain.
-pub(crate) fn sgd(parameters: [SgdParameters; 3], label: &str) -> Result<SgdMaterial, Problem> {
-    SgdMaterial::new(parameters).map_err(|error| Problem::invalid(format!("{label}: {error}; correct the parameter")))
 }

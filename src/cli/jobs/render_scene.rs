@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use brdfit_bandwidth::{Atlas, AtlasChannels, AtlasError, Layout, LobeGrid, LobeOptions, compute_atlas, exr, ktx2};
-use brdfit_brdf::{Brdf, GgxBrdf, Lambert};
+use brdfit_brdf::{Brdf, GgxMaterial, Lambert};
 use brdfit_measured::SamplePosition;
 use brdfit_renderer::scene::{MaterialSource, SampleLocation, SceneMaterial};
 use brdfit_renderer::{Light, Scene, SceneDocument, SceneError};
@@ -117,8 +117,9 @@ fn source_member(source: &MaterialSource) -> &'static str {
 fn brdf(source: &MaterialSource, folders: &Folders<'_>) -> anyhow::Result<Box<dyn Brdf>> {
     let (input, reading) = match source {
         MaterialSource::Lambert(albedo) => return Ok(Box::new(Lambert { albedo: *albedo })),
-        MaterialSource::Ggx { rho_d, rho_s, m } => {
-            return Ok(Box::new(GgxBrdf { rho_d: *rho_d, rho_s: *rho_s, m: *m }));
+        MaterialSource::Ggx { rho_d, rho_s, alpha } => {
+            let material = GgxMaterial::without_fresnel(*rho_d, *rho_s, *alpha);
+            return Ok(Box::new(material.map_err(|error| Problem::invalid(error.to_string()))?));
         }
         MaterialSource::Embedded(name) => {
             let material = embedded_materials::material(name).ok_or_else(|| {

@@ -4,8 +4,7 @@ use std::fmt::Display;
 use std::fs;
 use std::path::Path;
 
-use brdfit_brdf::{MaterialDocument, MaterialError};
-use brdfit_fit::document::SCHEMA_VERSION;
+use brdfit_brdf::{MaterialError, MaterialParameters, SCHEMA_VERSION};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
@@ -87,12 +86,12 @@ impl<'a> Document<'a> {
     ///
     /// # Errors
     /// As [`Self::decode`], and parameters outside of the model's domain (exit code 3); messages name the member by its path.
-    pub(crate) fn material(&self) -> Result<MaterialDocument, Problem> {
-        MaterialDocument::read(&self.bytes).map_err(|error| match error {
+    pub(crate) fn material(&self) -> Result<MaterialParameters, Problem> {
+        MaterialParameters::read(&self.bytes).map_err(|error| match error {
             MaterialError::Json(error) => self.no_json(&error),
             MaterialError::Version { .. } => self.later(&error),
             MaterialError::Member { .. } => self.another(&error),
-            MaterialError::Parameter { .. } => self.refuse(&format!("{error}; correct the parameter")),
+            MaterialError::Parameter(_) => self.refuse(&format!("{error}; correct the parameter")),
         })
     }
 

@@ -26,7 +26,7 @@ pub(crate) fn reusable(path: &Path, input: &Input, job: &Job) -> Option<FitDocum
     if input.sha256.is_none() || document.input != *input {
         return refuse("the input is another one");
     }
-    if document.options != job.options || document.errors.is_some() != job.panel {
+    if document.model != job.model || document.options != job.recorded() || document.errors.is_some() != job.panel {
         return refuse("the options are others");
     }
     if json::to_vec(&document) != bytes {

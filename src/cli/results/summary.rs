@@ -4,11 +4,10 @@ use std::ffi::OsStr;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use brdfit_fit::FitOptions;
-use brdfit_fit::document::{CHANNELS, Failure, Flag, SCHEMA_VERSION, SummaryDocument, SummaryRow};
-use serde::Serialize;
+use brdfit_fit::document::{Failure, Flag, SCHEMA_VERSION, SummaryDocument, SummaryRow};
+use brdfit_measured::CHANNEL_NAMES;
 
-use crate::jobs::fit_job::PROGRAM;
+use crate::jobs::fit_job::{Job, PROGRAM};
 use crate::jobs::fit_plan::Shard;
 use crate::results::json;
 use crate::results::output;
@@ -26,11 +25,12 @@ pub(crate) fn path(folder: &Path, shard: Option<Shard>) -> PathBuf {
 }
 
 /// An empty summary.
-pub(crate) fn new(options: FitOptions) -> Summary {
+pub(crate) fn new(job: &Job) -> Summary {
     Summary {
         schema_version: SCHEMA_VERSION,
         program: PROGRAM.to_owned(),
-        options,
+        options: job.recorded(),
+        model: job.model,
         materials: Vec::new(),
         failures: Vec::new(),
     }
@@ -47,68 +47,45 @@ pub(crate) fn order(failure: &Failure) -> (Option<&OsStr>, &str) {
 /// As [`output::write`].
 pub(crate) fn write(folder: &Path, shard: Option<Shard>, summary: &Summary) -> Result<PathBuf, Problem> {
     if shard.is_none() {
-        output::write_with(&folder.join("summary.csv"), |out| write_csv(out, &summary.materials))?;
+        output::write_with(&folder.join("summary.csv"), |out| write_csv(out, summary))?;
     }
     let path = path(folder, shard);
     output::write(&path, &json::to_vec(summary))?;
     Ok(path)
 }
 
-/// One channel of one material.
-#[derive(Serialize)]
-struct CsvRow<'a> {
-    name: &'a str,
-    channel: &'a str,
-    rho_d: f64,
-    rho_s: f64,
-    alpha: f64,
-    p: f64,
-    f0: f64,
-    f1: f64,
-    cost_step1: f64,
-    cost_step2: f64,
-    #[serde(rename = "E")]
-    e: Option<f64>,
-    #[serde(rename = "L")]
-    l: Option<f64>,
-    #[serde(rename = "C")]
-    c: Option<f64>,
-    flags: String,
-    sha256: Option<&'a str>,
-}
-
-fn write_csv(out: &mut dyn io::Write, materials: &[SummaryRow]) -> io::Result<()> {
+/// One row per channel: the parameters of the model between the names and what the fit says of them.
+fn write_csv(out: &mut dyn io::Write, summary: &Summary) -> io::Result<()> {
+    let parameters = summary.model.model().parameters().iter().map(|parameter| parameter.name);
+    let tail = ["cost_step1", "cost_step2", "E", "L", "C", "flags", "sha256"];
     let mut table = csv::Writer::from_writer(out);
-    for material in materials {
-        for channel in 0..CHANNELS.len() {
-            table.serialize(CsvRow::new(material, channel)).map_err(io::Error::from)?;
+    // an empty table has no header
+    if !summary.materials.is_empty() {
+        table.write_record(["name", "channel"].into_iter().chain(parameters).chain(tail)).map_err(io::Error::from)?;
+    }
+    for material in &summary.materials {
+        for (channel, name) in CHANNEL_NAMES.into_iter().enumerate() {
+            table.write_record(csv_row(material, channel, name)).map_err(io::Error::from)?;
         }
     }
     table.flush()
 }
 
-impl<'a> CsvRow<'a> {
-    fn new(material: &'a SummaryRow, channel: usize) -> Self {
-        let parameters = &material.parameters[channel];
-        let errors = material.errors.as_ref();
-        Self {
-            name: &material.name,
-            channel: CHANNELS[channel],
-            rho_d: parameters.rho_d,
-            rho_s: parameters.rho_s,
-            alpha: parameters.alpha,
-            p: parameters.p,
-            f0: parameters.f0,
-            f1: parameters.f1,
-            cost_step1: material.costs[channel][0],
-            cost_step2: material.costs[channel][1],
-            e: errors.map(|panel| panel.e[channel]),
-            l: errors.map(|panel| panel.l[channel]),
-            c: errors.map(|panel| panel.c[channel]),
-            flags: words(&material.flags[channel]),
-            sha256: material.sha256.as_deref(),
-        }
-    }
+fn csv_row(material: &SummaryRow, channel: usize, name: &str) -> Vec<String> {
+    let errors = material.errors.as_ref().map(|panel| [panel.e[channel], panel.l[channel], panel.c[channel]]);
+    let errors = errors.map_or([const { String::new() }; 3], |errors| errors.map(number));
+    [material.name.clone(), name.to_owned()]
+        .into_iter()
+        .chain(material.parameters[channel].iter().map(|(_, value)| number(value)))
+        .chain(material.costs[channel].map(number))
+        .chain(errors)
+        .chain([words(&material.flags[channel]), material.sha256.clone().unwrap_or_default()])
+        .collect()
+}
+
+/// The shortest decimal that reads back as this number, as in JSON.
+fn number(value: f64) -> String {
+    serde_json::Number::from_f64(value).map_or_else(|| value.to_string(), |number| number.to_string())
 }
 
 /// The flags as the JSON writes them, with spaces between.
@@ -123,25 +100,46 @@ fn words(flags: &[Flag]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfit_brdf::SgdParameters;
+    use brdfit_brdf::{MaterialParameters, ModelName, SgdParameters};
 
-    #[test]
-    fn the_table_has_one_row_per_channel() {
-        let parameters = SgdParameters { rho_d: 0.25, rho_s: 1e-9, alpha: 0.001, p: 0.5, f0: -0.5, f1: 0.125 };
+    fn lines(parameters: &MaterialParameters) -> Vec<String> {
         let material = SummaryRow {
             name: "a, b".to_owned(),
             sha256: None,
-            parameters: [parameters; 3],
+            parameters: [0, 1, 2].map(|c| parameters.named(c)),
             costs: [[1e-20, 0.5]; 3],
             errors: None,
             flags: [vec![], vec![Flag::NoPeak, Flag::RhoSWeak], vec![]],
         };
+        let model = parameters.model();
+        let job = Job {
+            model,
+            sample_position: Default::default(),
+            options: brdfit_fit::FitOptions::new(model),
+            scan: true,
+            panel: true,
+            accept_non_finite: false,
+        };
         let mut bytes = Vec::new();
-        write_csv(&mut bytes, &[material]).unwrap();
-        let text = String::from_utf8(bytes).unwrap();
-        let lines: Vec<&str> = text.lines().collect();
+        write_csv(&mut bytes, &Summary { materials: vec![material], ..new(&job) }).unwrap();
+        String::from_utf8(bytes).unwrap().lines().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn the_table_has_one_row_per_channel() {
+        let parameters = SgdParameters { rho_d: 0.25, rho_s: 1e-9, alpha: 0.001, p: 0.5, f0: -0.5, f1: 0.125 };
+        let lines = lines(&[parameters; 3].try_into().unwrap());
         assert_eq!(lines.len(), 4);
         assert_eq!(lines[0], "name,channel,rho_d,rho_s,alpha,p,f0,f1,cost_step1,cost_step2,E,L,C,flags,sha256");
         assert_eq!(lines[2], "\"a, b\",G,0.25,1e-9,0.001,0.5,-0.5,0.125,1e-20,0.5,,,,no_peak rho_s_weak,");
+    }
+
+    #[test]
+    fn columns_are_the_parameters_of_the_model() {
+        let model: ModelName = "ggx".parse().unwrap();
+        let values = vec![0.25, 0.5, 0.001, 0.75, 0.125];
+        let lines = lines(&MaterialParameters::new(model, [values.clone(), values.clone(), values]).unwrap());
+        assert_eq!(lines[0], "name,channel,rho_d,rho_s,alpha,f0,f1,cost_step1,cost_step2,E,L,C,flags,sha256");
+        assert_eq!(lines[3], "\"a, b\",B,0.25,0.5,0.001,0.75,0.125,1e-20,0.5,,,,,");
     }
 }

@@ -20,8 +20,8 @@ pub(crate) struct Table {
 
 impl Table {
     /// An empty table with these columns.
-    pub(crate) fn new<const N: usize>(head: [(&str, Align); N]) -> Self {
-        Self { head: head.map(|(title, align)| (title.to_owned(), align)).to_vec(), rows: Vec::new() }
+    pub(crate) fn new<T: Into<String>>(head: impl IntoIterator<Item = (T, Align)>) -> Self {
+        Self { head: head.into_iter().map(|(title, align)| (title.into(), align)).collect(), rows: Vec::new() }
     }
 
     /// Adds a row; cells that are missing at its end stay empty.

@@ -1,7 +1,8 @@
 //! The part of a fit's document that a comparison reads. Other programs write this subset too (docs/formats.md), so
 //! every field beyond it is ignored and every optional one may be missing.
 
-use crate::document::{CHANNELS, CurvePair};
+use crate::document::CurvePair;
+use brdfit_measured::CHANNEL_NAMES;
 use serde::Deserialize;
 
 /// The comparable part of a fit result, whichever program wrote it.
@@ -146,7 +147,7 @@ impl ComparableFit {
     /// [`CompareError::NotAFit`] for the first thing that is wrong.
     pub fn check(&self) -> Result<(), CompareError> {
         let refuse = |why: String| Err(CompareError::NotAFit(why));
-        if self.channels.iter().map(|channel| channel.name.as_str()).ne(CHANNELS) {
+        if self.channels.iter().map(|channel| channel.name.as_str()).ne(CHANNEL_NAMES) {
             return refuse("its channels are not R, G and B".to_owned());
         }
         for channel in &self.channels {

@@ -5,15 +5,13 @@
 //! judges both parameter sets on them. `published_comparison TABLE.json recovery POSITION` makes files from the published
 //! parameters, fits them with the constraint `free` and tells how closely the curves come back.
 
-use brdfit_brdf::SgdParameters;
+use brdfit_brdf::{MaterialParameters, ModelName, SgdParameters};
 use brdfit_fit::document::SliceCurves;
 use brdfit_fit::{Constraint, FitOptions, PanelGeometry, error_panel, fit_slices, step_costs, synthesise};
-use brdfit_measured::{Dimensions, MerlFile, SamplePosition};
+use brdfit_measured::{CHANNEL_NAMES, Dimensions, MerlFile, SamplePosition};
 use serde_json::{Value, json};
 use std::error::Error;
 use std::path::Path;
-
-const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -37,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-fn published(material: &Value) -> Result<[SgdParameters; 3], Box<dyn Error>> {
+fn published(material: &Value) -> Result<MaterialParameters, Box<dyn Error>> {
     let channel = |c: usize| -> Result<SgdParameters, Box<dyn Error>> {
         let p = |key: &str| material[key][c].as_f64().ok_or(format!("no number `{key}` for channel {c}"));
         Ok(SgdParameters {
@@ -49,7 +47,7 @@ fn published(material: &Value) -> Result<[SgdParameters; 3], Box<dyn Error>> {
             f1: p("F1")?,
         })
     };
-    Ok([channel(0)?, channel(1)?, channel(2)?])
+    Ok([channel(0)?, channel(1)?, channel(2)?].try_into()?)
 }
 
 fn reconstruction(
@@ -60,15 +58,17 @@ fn reconstruction(
 ) -> Result<(), Box<dyn Error>> {
     let name = path.file_stem().and_then(|stem| stem.to_str()).ok_or("a file without a name")?;
     let theirs = published(&table[name])?;
-    let options = FitOptions { sample_position: position, ..FitOptions::default() };
+    let options = FitOptions::default();
     let file = MerlFile::open(path)?;
     let scan = file.scan();
     scan.check(path)?;
     let slices = file.slices(position);
-    let fit = fit_slices(&slices, &options)?;
+    let fit = fit_slices(&slices, ModelName::Sgd, &options)?;
+    let ggx = fit_slices(&slices, ModelName::Ggx, &FitOptions::new(ModelName::Ggx))?;
+    let ggx_panel = error_panel(&file, scan.valid(), geometry, &ggx.parameters);
     let (our_panel, their_panel) = (
-        error_panel(&file, scan.valid(), geometry, &fit.parameters())?,
-        error_panel(&file, scan.valid(), geometry, &theirs)?,
+        error_panel(&file, scan.valid(), geometry, &fit.parameters),
+        error_panel(&file, scan.valid(), geometry, &theirs),
     );
     let their_costs = step_costs(&slices, &options, &theirs)?;
     for c in 0..3 {
@@ -76,8 +76,9 @@ fn reconstruction(
         println!(
             "{}",
             json!({
-                "material": name, "channel": CHANNELS[c],
+                "material": name, "channel": CHANNEL_NAMES[c],
                 "ours": { "costs": [steps[0].cost, steps[1].cost], "E": our_panel.e[c], "L": our_panel.l[c], "C": our_panel.c[c] },
+                "ggx": { "E": ggx_panel.e[c], "L": ggx_panel.l[c], "C": ggx_panel.c[c] },
                 "published": { "costs": their_costs[c], "E": their_panel.e[c], "L": their_panel.l[c], "C": their_panel.c[c] },
                 "flags": fit.channels[c].flags,
             })
@@ -89,18 +90,19 @@ fn reconstruction(
 fn recovery(name: &str, material: &Value, position: SamplePosition) -> Result<(), Box<dyn Error>> {
     let truth = published(material)?;
     let dimensions = Dimensions::HALF_TURN;
-    let planes = synthesise(&truth, dimensions, position)?;
+    let planes = synthesise(&truth, dimensions, position);
     let file = MerlFile::from_fn(name, dimensions, |c, h, d, p| planes[c][dimensions.index(h, d, p)])?;
-    let options = FitOptions { sample_position: position, constraint: Constraint::Free, ..FitOptions::default() };
-    let fit = fit_slices(&file.slices(position), &options)?;
+    let options = FitOptions { constraint: Constraint::Free, ..FitOptions::default() };
+    let fit = fit_slices(&file.slices(position), ModelName::Sgd, &options)?;
     for c in 0..3 {
-        let parameters = fit.channels[c].parameters;
+        let value = |parameters: &MaterialParameters, name| parameters.get(c, name).unwrap_or(f64::NAN);
         println!(
             "{}",
             json!({
-                "material": name, "channel": CHANNELS[c], "flags": fit.channels[c].flags,
+                "material": name, "channel": CHANNEL_NAMES[c], "flags": fit.channels[c].flags,
                 "curves": largest_deviations(&fit.slices, c, &options),
-                "alpha": parameters.alpha / truth[c].alpha - 1.0, "p": parameters.p - truth[c].p,
+                "alpha": value(&fit.parameters, "alpha") / value(&truth, "alpha") - 1.0,
+                "p": value(&fit.parameters, "p") - value(&truth, "p"),
             })
         );
     }

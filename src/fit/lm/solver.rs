@@ -219,6 +219,48 @@ impl LevenbergMarquardt {
         problem.problem(count, |p| Ok(self.trial.evaluate(p, jacobian)))
     }
 
+    /// The cost at the trial point and whether it is accepted, with the Jacobian then; none if something is not finite.
+    fn judge<P: LeastSquares>(
+        &mut self,
+        problem: &mut Problem<P>,
+        step: &Step,
+        before: f64,
+    ) -> Result<Option<(f64, bool)>, Error> {
+        let eager = self.options.jacobian_at_trials;
+        let Some(cost) = self.evaluate(problem, eager)? else { return Ok(None) };
+        if !(before - cost >= ACCEPTANCE * step.decrease && cost < before) {
+            return Ok(Some((cost, false)));
+        }
+        let with_jacobian = if eager { Some(cost) } else { self.evaluate(problem, true)? };
+        Ok(with_jacobian.filter(|_| self.trial.differentiate().is_ok()).map(|cost| (cost, true)))
+    }
+
+    /// Makes the trial point the state's, and returns the reason to stop there, if there is one.
+    fn accept(&mut self, state: &mut LmState, cost: f64) -> Option<Termination> {
+        self.fresh = false;
+        swap(&mut state.param, &mut self.trial.x);
+        swap(&mut state.residuals, &mut self.trial.r);
+        swap(&mut state.jacobian, &mut self.trial.jacobian);
+        swap(&mut state.grad, &mut self.trial.gradient);
+        state.prev_cost = state.cost;
+        state.cost = cost;
+        self.centre(state)
+    }
+
+    /// Whether the cost or the step says that nothing more is to be gained. A step that the trust region cut short may be small
+    /// for that reason alone, so the whole step must be unimportant, too.
+    fn end_of_progress(&self, step: &Step, before: f64, actual: f64, is_short: bool) -> Option<Termination> {
+        let ftol = self.options.ftol;
+        let settled = actual.abs() <= ftol * before
+            && step.decrease <= ftol * before
+            && (actual / step.decrease <= 2.0 || actual <= ROUNDING * before)
+            && (!step.restricted || step.full_decrease <= ftol.sqrt() * before);
+        if settled {
+            return Some(Termination::Ftol);
+        }
+        is_short.then_some(Termination::Xtol)
+    }
+
     /// Fits the trust region to how well the model predicted the trial: MINPACK's rules, but that a step cut short by a
     /// new bound says nothing about how far the model holds, and does not shrink the region.
     fn resize(&mut self, step: &Step, length: f64, gain: f64, actual: f64, cost_ratio: f64) {
@@ -305,22 +347,10 @@ impl<P: LeastSquares> Solver<P, LmState> for LevenbergMarquardt {
             let reason = if self.non_finite { Termination::NonFinite } else { Termination::Xtol };
             return Ok((self.stop(state, reason), None));
         }
-
-        let eager = self.options.jacobian_at_trials;
-        let mut cost = self.evaluate(problem, eager)?;
         let before = state.cost;
-        let mut accepted = cost.is_some_and(|c| before - c >= ACCEPTANCE * step.decrease && c < before);
-        if accepted {
-            if !eager {
-                cost = self.evaluate(problem, true)?;
-            }
-            if cost.is_none() || self.trial.differentiate().is_err() {
-                accepted = false;
-                cost = None;
-            }
-        }
-        self.non_finite = cost.is_none();
-        let Some(cost) = cost else {
+        let judged = self.judge(problem, &step, before)?;
+        self.non_finite = judged.is_none();
+        let Some((cost, accepted)) = judged else {
             self.radius = 0.1 * self.radius.min(length);
             self.damping = 10.0 * step.damping;
             if self.radius <= short {
@@ -328,37 +358,14 @@ impl<P: LeastSquares> Solver<P, LmState> for LevenbergMarquardt {
             }
             return Ok((state, None));
         };
-
         let actual = before - cost;
-        let gain = actual / step.decrease;
-        self.resize(&step, length, gain, actual, cost / before);
-        let mut reason = None;
-        if accepted {
-            self.fresh = false;
-            swap(&mut state.param, &mut self.trial.x);
-            swap(&mut state.residuals, &mut self.trial.r);
-            swap(&mut state.jacobian, &mut self.trial.jacobian);
-            swap(&mut state.grad, &mut self.trial.gradient);
-            state.prev_cost = before;
-            state.cost = cost;
-            reason = self.centre(&state);
-        }
-        // A step that the trust region cut short may be small for that reason alone, so the whole step must be
-        // unimportant, too.
-        let ftol = self.options.ftol;
-        let settled = actual.abs() <= ftol * before
-            && step.decrease <= ftol * before
-            && (gain <= 2.0 || actual <= ROUNDING * before)
-            && (!step.restricted || step.full_decrease <= ftol.sqrt() * before);
-        if reason.is_none() && settled {
-            reason = Some(Termination::Ftol);
-        }
-        if reason.is_none() && (self.radius <= short || length <= short) {
-            reason = Some(Termination::Xtol);
-        }
-        let short = matches!(reason, Some(Termination::Ftol | Termination::Xtol));
+        self.resize(&step, length, actual / step.decrease, actual, cost / before);
+        let at_centre = if accepted { self.accept(&mut state, cost) } else { None };
+        let mut reason =
+            at_centre.or_else(|| self.end_of_progress(&step, before, actual, length.min(self.radius) <= short));
+        let without_progress = matches!(reason, Some(Termination::Ftol | Termination::Xtol));
         let impatient = reason.is_none() && state.iter >= self.rescaled + PATIENCE;
-        if (short || impatient) && self.rescale(&state) {
+        if (without_progress || impatient) && self.rescale(&state) {
             reason = None;
         }
         if let Some(reason) = reason {

@@ -1,9 +1,9 @@
 //! The error panel: how far the model is from the measurement on all cells (docs/theory.md, section 6).
 
 use crate::document::{AllCells, ErrorPanel, LargestResidual, PanelTriple};
-use crate::metrics::grid_model::{Directions, GridModel};
-use brdfit_brdf::{ParameterError, SgdParameters};
-use brdfit_measured::{AlbedoPlan, CellMask, Dimensions, Grid, MerlFile, PANEL_ANGLE, SamplePosition};
+use crate::metrics::grid_model::{Directions, on_grid};
+use brdfit_brdf::{CellRow, FourCells, GridModel, MaterialParameters};
+use brdfit_measured::{AlbedoPlan, CellMask, Dimensions, Grid, MerlFile, PANEL_ANGLE, Row, SamplePosition};
 use rayon::prelude::*;
 use wide::f64x4;
 
@@ -72,11 +72,8 @@ struct Part {
 /// The errors of a model of three channels against a file, over the cells of `valid` (the scan's mask).
 ///
 /// Sums run in the file's order within each theta_h bin and over the bins in order: the same bytes for any number of threads.
-/// Masking comes from [`brdfit_brdf::G1Curve`] (5e-8 relative); against an independent NumPy implementation E, L and C agree within 1e-6
+/// Against an independent NumPy implementation E, L and C agree within 1e-6
 /// relative (`brdfit compare`, docs/accuracy.md).
-///
-/// # Errors
-/// For parameters with which the model cannot be evaluated.
 ///
 /// # Panics
 /// If the file's shape is not that of the geometry.
@@ -84,14 +81,13 @@ pub fn error_panel(
     file: &MerlFile,
     valid: &CellMask,
     geometry: &PanelGeometry,
-    parameters: &[SgdParameters; 3],
-) -> Result<ErrorPanel, ParameterError> {
+    parameters: &MaterialParameters,
+) -> ErrorPanel {
     assert_eq!(file.dimensions(), geometry.grid.dimensions(), "the geometry belongs to another shape");
-    let [r, g, b] = parameters.map(|channel| GridModel::new(channel, &geometry.grid));
-    let models = [r?, g?, b?];
+    let models = on_grid(parameters, &geometry.grid);
     let parts: Vec<([Part; 3], [usize; 2])> = (0..Dimensions::THETA_H)
         .into_par_iter()
-        .map(|theta_h| theta_h_bin(file, valid, geometry, &models, theta_h))
+        .map(|theta_h| Bin { file, valid, geometry, models: &models, theta_h }.errors())
         .collect();
     let mut total = [Part::default(); 3];
     let mut samples = [0; 2];
@@ -111,7 +107,7 @@ pub fn error_panel(
     let panel = [0, 1, 2].map(|c: usize| total[c].panel.errors(albedo[c]));
     let all = [0, 1, 2].map(|c: usize| total[c].all.errors(albedo[c]));
     let over_channels = |n: usize| (panel.iter().map(|errors| errors[n] * errors[n]).sum::<f64>() / 3.0).sqrt();
-    Ok(ErrorPanel {
+    ErrorPanel {
         limit_degrees: PANEL_ANGLE.to_degrees().round(),
         samples: samples[0],
         e: panel.map(|errors| errors[0]),
@@ -129,115 +125,133 @@ pub fn error_panel(
                 c: all.map(|errors| errors[2]),
             },
         },
-    })
+    }
 }
 
-/// What the channels share of four cells of a row. Padding has harmless values and counts for nothing.
-#[derive(Clone, Copy)]
-struct Lanes {
-    cos_i: [f64; 4],
-    cos_o: [f64; 4],
-    /// Where both directions lie on the masking curve.
-    positions: [[f64; 2]; 4],
-    /// 1 inside of the panel's angles, else 0.
-    inside: [f64; 4],
-    /// 1 for a cell, 0 for padding.
-    present: [f64; 4],
-}
-
-const PADDING: Lanes =
-    Lanes { cos_i: [0.5; 4], cos_o: [0.5; 4], positions: [[0.0; 2]; 4], inside: [0.0; 4], present: [0.0; 4] };
-
-fn theta_h_bin(
-    file: &MerlFile,
-    valid: &CellMask,
-    geometry: &PanelGeometry,
-    models: &[GridModel; 3],
+/// One theta_h bin of a file against three models.
+struct Bin<'a> {
+    file: &'a MerlFile,
+    valid: &'a CellMask,
+    geometry: &'a PanelGeometry,
+    models: &'a [Box<dyn GridModel>; 3],
     theta_h: usize,
-) -> ([Part; 3], [usize; 2]) {
-    let PanelGeometry { grid, directions, .. } = geometry;
-    let mut parts = [Part::default(); 3];
-    let mut counts = [0; 2];
-    let mut bins: Vec<usize> = Vec::with_capacity(grid.dimensions().phi_d());
-    let mut lanes: Vec<Lanes> = Vec::new();
-    for theta_d in 0..Dimensions::THETA_D {
-        let row = grid.row(theta_h, theta_d);
-        bins.clear();
-        bins.extend((0..grid.dimensions().phi_d()).filter(|&phi_d| {
+}
+
+/// The cells of a row that count, in blocks of four, and buffers for what is computed of them.
+#[derive(Default)]
+struct RowCells {
+    /// Bins of phi_d; `bins.chunks(4)` belong to the blocks.
+    bins: Vec<usize>,
+    cells: Vec<FourCells>,
+    /// 1 inside of the panel's angles, else 0.
+    inside: Vec<[f64; 4]>,
+    /// 1 for a cell, 0 for padding.
+    present: Vec<[f64; 4]>,
+    /// The model's values of one channel.
+    values: Vec<[f64; 4]>,
+}
+
+/// What fills up the last block: harmless values that count for nothing.
+const PADDING: FourCells = FourCells { cosines: [[0.5; 4]; 2], positions: [[0.0; 2]; 4] };
+
+impl RowCells {
+    /// Takes the usable cells of a row; adds the numbers of cells inside of the panel and of all cells to `counts`.
+    fn fill(&mut self, geometry: &PanelGeometry, valid: &CellMask, row: &Row<'_>, counts: &mut [usize; 2]) {
+        let PanelGeometry { grid, directions, .. } = geometry;
+        self.bins.clear();
+        self.bins.extend((0..grid.dimensions().phi_d()).filter(|&phi_d| {
             let cell = row.first + phi_d;
             grid.usable().contains(cell) && valid.contains(cell)
         }));
-        lanes.clear();
-        for four in bins.chunks(4) {
-            let mut lane = PADDING;
+        self.cells.clear();
+        self.inside.clear();
+        self.present.clear();
+        for four in self.bins.chunks(4) {
+            let (mut cells, mut inside, mut present) = (PADDING, [0.0; 4], [0.0; 4]);
             for (n, &phi_d) in four.iter().enumerate() {
-                (lane.cos_i[n], lane.cos_o[n]) = row.cosines(phi_d);
-                lane.positions[n] = directions.of(row.first + phi_d);
-                lane.present[n] = 1.0;
+                (cells.cosines[0][n], cells.cosines[1][n]) = row.cosines(phi_d);
+                cells.positions[n] = directions.of(row.first + phi_d);
+                present[n] = 1.0;
                 if grid.panel().contains(row.first + phi_d) {
-                    lane.inside[n] = 1.0;
+                    inside[n] = 1.0;
                     counts[0] += 1;
                 }
                 counts[1] += 1;
             }
-            lanes.push(lane);
+            self.cells.push(cells);
+            self.inside.push(inside);
+            self.present.push(present);
         }
-        for c in 0..3 {
-            let mut all = [f64x4::splat(0.0); 5];
-            let mut panel = [f64x4::splat(0.0); 5];
-            for (four, lane) in bins.chunks(4).zip(&lanes) {
-                let mut f = [0.0; 4];
-                for (value, &phi_d) in f.iter_mut().zip(four) {
-                    *value = file.value(c, row.first + phi_d);
-                }
-                let [cos_i, cos_o] = [lane.cos_i, lane.cos_o].map(f64x4::from);
-                let g = models[c].four_values(theta_h, theta_d, [cos_i, cos_o], &lane.positions);
-                note_largest(&mut parts[c], &f, &g.to_array(), lane, four, theta_h, theta_d);
-                let f = f64x4::from(f);
-                // a fit without constraints may dip below zero: E sees it, L and C take what a renderer would
-                let (f_cos, g_cos) = (f * cos_i, g.max(f64x4::splat(0.0)) * cos_i);
-                let difference = g - f;
-                let logarithm = ((g_cos + 1.0) / (f_cos + 1.0)).ln();
-                let root = cube_root(g_cos) - cube_root(f_cos);
-                let cosines = cos_i * cos_o;
-                let present = f64x4::from(lane.present);
-                let terms =
-                    [cosines * difference * difference, logarithm * logarithm, root * root, cosines, f64x4::splat(1.0)];
-                let inside = f64x4::from(lane.inside);
-                for (n, term) in terms.into_iter().enumerate() {
-                    all[n] += term * present;
-                    panel[n] += term * inside;
-                }
-            }
-            let sums = |lanes: [f64x4; 5]| {
-                let [e, l, cubes, cosines, ones] = lanes.map(|sum| row.weight * add_lanes(sum));
-                Sums { squares: [e, l, cubes], weights: [cosines, ones] }
-            };
-            parts[c].all.add(&sums(all));
-            parts[c].panel.add(&sums(panel));
-        }
+        self.values.resize(self.cells.len(), [0.0; 4]);
     }
-    (parts, counts)
+}
+
+impl Bin<'_> {
+    /// The sums of the channels, and the numbers of cells inside of the panel and of all cells.
+    fn errors(&self) -> ([Part; 3], [usize; 2]) {
+        let mut parts = [Part::default(); 3];
+        let mut counts = [0; 2];
+        let mut cells = RowCells::default();
+        for theta_d in 0..Dimensions::THETA_D {
+            let row = self.geometry.grid.row(self.theta_h, theta_d);
+            cells.fill(self.geometry, self.valid, &row, &mut counts);
+            for (c, part) in parts.iter_mut().enumerate() {
+                self.add_row(c, &row, &mut cells, part);
+            }
+        }
+        (parts, counts)
+    }
+
+    /// Adds the cells of a row to the sums of a channel.
+    fn add_row(&self, channel: usize, row: &Row<'_>, row_cells: &mut RowCells, part: &mut Part) {
+        let RowCells { bins, cells, inside, present, values } = row_cells;
+        self.models[channel].values(CellRow { theta_h: row.theta_h, theta_d: row.theta_d }, cells, values);
+        let mut all = [f64x4::splat(0.0); 5];
+        let mut panel = [f64x4::splat(0.0); 5];
+        for (block, four) in bins.chunks(4).enumerate() {
+            let mut f = [0.0; 4];
+            for (value, &phi_d) in f.iter_mut().zip(four) {
+                *value = self.file.value(channel, row.first + phi_d);
+            }
+            note_largest(part, row, four, &f, &values[block], &inside[block]);
+            let terms = terms(f64x4::from(f), f64x4::from(values[block]), cells[block].cosines.map(f64x4::from));
+            let (inside, present) = (f64x4::from(inside[block]), f64x4::from(present[block]));
+            for (n, term) in terms.into_iter().enumerate() {
+                all[n] += term * present;
+                panel[n] += term * inside;
+            }
+        }
+        let sums = |lanes: [f64x4; 5]| {
+            let [e, l, cubes, cosines, ones] = lanes.map(|sum| row.weight * add_lanes(sum));
+            Sums { squares: [e, l, cubes], weights: [cosines, ones] }
+        };
+        part.all.add(&sums(all));
+        part.panel.add(&sums(panel));
+    }
+}
+
+/// The terms of four cells, measured f and model g: squared differences of E, L and C, and the weights of E and of the others.
+#[inline(always)]
+fn terms(f: f64x4, g: f64x4, [cos_i, cos_o]: [f64x4; 2]) -> [f64x4; 5] {
+    // a fit without constraints may dip below zero: E sees it, L and C take what a renderer would
+    let (f_cos, g_cos) = (f * cos_i, g.max(f64x4::splat(0.0)) * cos_i);
+    let difference = g - f;
+    let logarithm = ((g_cos + 1.0) / (f_cos + 1.0)).ln();
+    let root = cube_root(g_cos) - cube_root(f_cos);
+    let cosines = cos_i * cos_o;
+    [cosines * difference * difference, logarithm * logarithm, root * root, cosines, f64x4::splat(1.0)]
 }
 
 /// Keeps the cell of the panel with the largest relative residual; the first one on a tie.
-fn note_largest(
-    part: &mut Part,
-    f: &[f64; 4],
-    g: &[f64; 4],
-    lane: &Lanes,
-    four: &[usize],
-    theta_h: usize,
-    theta_d: usize,
-) {
+fn note_largest(part: &mut Part, row: &Row<'_>, four: &[usize], f: &[f64; 4], g: &[f64; 4], inside: &[f64; 4]) {
     let mut largest = part.largest.map_or(-1.0, |found| found.value);
     for (n, &phi_d) in four.iter().enumerate() {
         let residual = (g[n] - f[n]).abs();
         let floor = f[n].max(RESIDUAL_FLOOR);
-        if lane.inside[n] > 0.0 && residual > largest * floor {
+        if inside[n] > 0.0 && residual > largest * floor {
             largest = residual / floor;
-            part.largest =
-                Some(LargestResidual { value: largest, cell: [theta_h, theta_d, phi_d], measured: f[n], model: g[n] });
+            let cell = [row.theta_h, row.theta_d, phi_d];
+            part.largest = Some(LargestResidual { value: largest, cell, measured: f[n], model: g[n] });
         }
     }
 }
@@ -265,7 +279,7 @@ fn albedos(
     file: &MerlFile,
     valid: &CellMask,
     geometry: &PanelGeometry,
-    models: &[GridModel; 3],
+    models: &[Box<dyn GridModel>; 3],
 ) -> ([f64; 3], [[Option<f64>; 4]; 3]) {
     let PanelGeometry { grid, directions, albedo } = geometry;
     let keep = |cell: usize| grid.usable().contains(cell) && valid.contains(cell);
@@ -288,7 +302,8 @@ fn albedos(
             for (cell, weight) in albedo.cells(angle).filter(|&(cell, _)| keep(cell)) {
                 let (theta_h, theta_d, _) = grid.dimensions().bins(cell);
                 for c in 0..3 {
-                    sums[c] += weight * models[c].value(theta_h, theta_d, grid.cosines(cell), directions.of(cell));
+                    let row = CellRow { theta_h, theta_d };
+                    sums[c] += weight * models[c].value(row, grid.cosines(cell), directions.of(cell));
                 }
             }
             sums
@@ -308,12 +323,13 @@ fn albedos(
 mod tests {
     use super::*;
     use crate::metrics::grid_model::synthesise;
+    use brdfit_brdf::SgdParameters;
 
     const GLOSSY: SgdParameters = SgdParameters { rho_d: 0.1, rho_s: 0.4, alpha: 0.02, p: 0.7, f0: 0.3, f1: 0.1 };
 
-    fn file_of(parameters: &[SgdParameters; 3], position: SamplePosition) -> MerlFile {
+    fn file_of(parameters: [SgdParameters; 3], position: SamplePosition) -> MerlFile {
         let dimensions = Dimensions::HALF_TURN;
-        let planes = synthesise(parameters, dimensions, position).unwrap();
+        let planes = synthesise(&parameters.try_into().unwrap(), dimensions, position);
         MerlFile::from_fn("synthetic", dimensions, |c, h, d, p| planes[c][dimensions.index(h, d, p)]).unwrap()
     }
 
@@ -329,9 +345,9 @@ mod tests {
 
     #[test]
     fn the_model_has_no_distance_from_itself() {
-        let file = file_of(&[GLOSSY; 3], SamplePosition::Edge);
+        let file = file_of([GLOSSY; 3], SamplePosition::Edge);
         let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Edge);
-        let panel = error_panel(&file, file.scan().valid(), &geometry, &[GLOSSY; 3]).unwrap();
+        let panel = error_panel(&file, file.scan().valid(), &geometry, &[GLOSSY; 3].try_into().unwrap());
         for errors in [panel.e, panel.l, panel.c, panel.all_cells.errors.e] {
             assert!(errors.iter().all(|&error| error < 1e-9), "{errors:?}");
         }
@@ -340,10 +356,10 @@ mod tests {
 
     #[test]
     fn a_model_below_zero_still_has_errors() {
-        let file = file_of(&[GLOSSY; 3], SamplePosition::Edge);
+        let file = file_of([GLOSSY; 3], SamplePosition::Edge);
         let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Edge);
         let negative = SgdParameters { rho_s: -40.0, ..GLOSSY };
-        let panel = error_panel(&file, file.scan().valid(), &geometry, &[negative; 3]).unwrap();
+        let panel = error_panel(&file, file.scan().valid(), &geometry, &[negative; 3].try_into().unwrap());
         assert!([panel.e, panel.l, panel.c].as_flattened().iter().all(|error| error.is_finite() && *error > 0.0));
     }
 
@@ -351,10 +367,10 @@ mod tests {
     fn diffuse_against_diffuse_has_a_closed_form() {
         // f = 0.2/pi, g = 0.3/pi: E = 0.1/pi / albedo; L and C are means of known functions of cos theta_i over equal cells
         let diffuse = |rho_d| SgdParameters { rho_d, rho_s: 0.0, ..GLOSSY };
-        let file = file_of(&[diffuse(0.2); 3], SamplePosition::Centre);
+        let file = file_of([diffuse(0.2); 3], SamplePosition::Centre);
         let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Centre);
-        let panel =
-            error_panel(&file, file.scan().valid(), &geometry, &[diffuse(0.2), diffuse(0.3), diffuse(0.1)]).unwrap();
+        let models = [diffuse(0.2), diffuse(0.3), diffuse(0.1)].try_into().unwrap();
+        let panel = error_panel(&file, file.scan().valid(), &geometry, &models);
         let expected = 0.1 / std::f64::consts::PI / panel.albedo[1];
         assert!(
             panel.e[0] < 1e-12

@@ -4,7 +4,7 @@ use crate::document::G1Fit;
 use crate::lm;
 use crate::lm::bounds::Bounds;
 use crate::lm::problem::{LeastSquares, LmError};
-use brdfit_brdf::{G1ClosedForm, G1Curve};
+use brdfit_brdf::{G1ClosedForm, Masking};
 use nalgebra::DMatrix;
 use std::f64::consts::{FRAC_PI_2, PI};
 use wide::f64x4;
@@ -22,6 +22,8 @@ const ITERATIONS: [u64; 3] = [20, 60, 20];
 const CONTENDERS: usize = 3;
 /// Root mean square error that is good enough to stop searching: what is written has three digits more than any use of it.
 const NEGLIGIBLE: f64 = 2e-5;
+/// Relative change of the cost and of the unknowns at which a run stops (docs/theory.md, section 3.3).
+const TOLERANCE: f64 = 1e-6;
 
 /// Fits the closed form to a distribution's G1 on 1, 1.1, .., 89.9 degrees, unweighted.
 ///
@@ -30,17 +32,18 @@ const NEGLIGIBLE: f64 = 2e-5;
 ///
 /// # Errors
 /// Where the curve is not finite.
-pub fn fit_g1(curve: &G1Curve) -> Result<G1Fit, LmError> {
+pub fn fit_g1(masking: &impl Masking) -> Result<G1Fit, LmError> {
     let all: Vec<Sample> = (10..900)
         .map(|n| {
             let theta = f64::from(n) * PI / 1800.0;
-            Sample { theta, g1: curve.g1(theta), weight: 1.0 }
+            Sample { theta, g1: masking.g1(theta), weight: 1.0 }
         })
         .collect();
     let bounds = Bounds::new(LOWER.to_vec(), UPPER.to_vec())?;
     let search = |problem: &Problem, start: &[f64], iteration_limit| {
         let cost_floor = 0.5 * NEGLIGIBLE * NEGLIGIBLE * problem.total_weight;
-        let options = lm::Options { ftol: 1e-6, xtol: 1e-6, iteration_limit, cost_floor, ..lm::Options::default() };
+        let options =
+            lm::Options { ftol: TOLERANCE, xtol: TOLERANCE, iteration_limit, cost_floor, ..lm::Options::default() };
         lm::minimise(problem, start, &bounds, &options)
     };
     let coarse = Problem::new(&towards_the_horizon(&all));
@@ -168,13 +171,13 @@ impl LeastSquares for Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfit_brdf::ShiftedGamma;
+    use brdfit_brdf::{NormalDistribution, ShiftedGamma};
 
     #[test]
     fn is_close_to_the_integral_over_the_box_of_the_fit() {
         for alpha in [1e-6, 1e-4, 1e-2, 0.2, 1.0] {
             for p in [0.0, 0.5, 1.2] {
-                let curve = G1Curve::new(&ShiftedGamma::new(alpha, p).unwrap());
+                let curve = ShiftedGamma::new(alpha, p).unwrap().masking();
                 let fit = fit_g1(&curve).unwrap();
                 assert!(fit.rms_error < 1e-3 && fit.max_error < 2e-2, "alpha {alpha} p {p}: {fit:?}");
                 // the published parametrisation is the same curve, where its c fits in a double

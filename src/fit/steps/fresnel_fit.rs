@@ -1,18 +1,18 @@
 //! Step 2: specular scale and Fresnel term from the theta_d slice (thesis V.4).
 //!
-//! `m_d(theta_d) ~ rho_d / pi + q(theta_d) rho_s F(theta_d)`, `q = A G1(theta_d)^2 / (pi cos^2 theta_d)`, linear in
-//! `u = rho_s (f0, f1, 1)`. The residual is weighted, the constraint on F is a cone in u: a convex problem in three unknowns.
+//! `m_d(theta_d) ~ rho_d / pi + q(theta_d) rho_s F(theta_d)`, `q = A G1(theta_d)^2 / (c cos^2 theta_d)` with the model's `c`
+//! ([`NormalDistribution::DIVISOR`]), linear in `u = rho_s (f0, f1, 1)`. The residual is weighted, the constraint on F is a cone in u: a convex problem in three unknowns.
 
 use crate::lm;
 use crate::lm::bounds::Bounds;
 use crate::lm::problem::{LeastSquares, LmError};
 use crate::lm::termination::Termination;
 use crate::options::{Anchor, FitOptions, Loss, Step2Solver};
-use crate::steps::distribution_fit::Step1;
+use crate::steps::distribution_fit::DistributionFit;
 use crate::steps::fresnel_constraints::{HalfSpace, basis, conditions, extreme_rays};
 use crate::steps::nnls::nnls;
 use crate::steps::slice_rows::Row;
-use brdfit_brdf::{Sgd, SgdParameters, SmithG1};
+use brdfit_brdf::{Microfacet, MicrofacetParameters, NormalDistribution};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::f64::consts::PI;
 
@@ -21,7 +21,7 @@ const NO_SPECULAR: f64 = 1e-12;
 
 /// What step 2 found for one channel.
 #[derive(Clone, Debug)]
-pub(crate) struct Step2 {
+pub(crate) struct FresnelFit {
     /// `(rho_s, f0, f1)`; zeros where there is no specular part.
     pub(crate) rho_s: f64,
     pub(crate) f0: f64,
@@ -47,87 +47,133 @@ pub(crate) struct Step2 {
     diffuse: f64,
 }
 
+/// The rows of the theta_d slice and what is asked of them.
+#[derive(Clone, Copy)]
+pub(crate) struct FresnelTask<'a> {
+    pub(crate) rows: &'a [Row],
+    /// The sample angle theta_h of the whole slice.
+    pub(crate) theta_h: f64,
+    pub(crate) options: &'a FitOptions,
+}
+
+/// A channel after step 1.
+#[derive(Clone, Copy)]
+pub(crate) struct FittedLobe<'a, D> {
+    pub(crate) step1: &'a DistributionFit<D>,
+    /// R, G, B: 0, 1, 2.
+    pub(crate) channel: usize,
+    /// Its number among the channels of its step 1.
+    pub(crate) n: usize,
+    /// The first row of step 1.
+    pub(crate) peak_row: &'a Row,
+}
+
+impl<D> FittedLobe<'_, D> {
+    /// What the measured peak cell says of the height of the lobe: its excess over the diffuse level by the fitted one.
+    fn peak_ratio<const N: usize>(&self) -> f64
+    where
+        D: NormalDistribution<N>,
+    {
+        let rho_d = self.step1.rho_d[self.n];
+        let lobe = PI * self.step1.curve_with_lobe(self.n, self.peak_row.theta) - rho_d;
+        (PI * self.peak_row.measured[self.channel] - rho_d) / lobe
+    }
+}
+
 /// The weighted linear problem `|design u - target|`.
 struct Linear {
     design: DMatrix<f64>,
     target: DVector<f64>,
 }
 
-impl Step2 {
-    /// Fits `channel`, which was the n-th channel of its step 1; `rows_h` are that step's rows, `theta_h` is the sample angle of the
-    /// slice.
-    pub(crate) fn fit(
-        rows: &[Row],
-        theta_h: f64,
-        rows_h: &[Row],
-        channel: usize,
-        step1: &Step1,
-        n: usize,
-        options: &FitOptions,
-    ) -> Result<Self, LmError> {
-        let smith = SmithG1::new(&step1.distribution);
-        // the distribution at theta_h bin 0, where the whole slice lies
-        let d0 = step1.distribution.d_at(theta_h);
-        let lobe = PI * step1.curve_with_lobe(n, &smith, rows_h[0].theta) - step1.rho_d[n];
-        let ratio = (PI * rows_h[0].measured[channel] - step1.rho_d[n]) / lobe;
-        let anchor = match options.anchor {
-            Anchor::Peak if ratio > 0.0 => d0 * ratio.max(0.5),
-            Anchor::Peak | Anchor::Distribution => d0,
-        };
-        let diffuse = step1.rho_d[n] / PI;
-        let linear = Linear::new(rows, channel, diffuse, anchor, &smith, options.loss);
-        let conditions = conditions(options.constraint);
-        let (u, iterations, termination) = match (options.step2_solver, conditions.is_empty()) {
-            (Step2Solver::Convex, _) => (linear.solve_convex(&conditions), 0, Termination::Gtol),
-            (Step2Solver::LevenbergMarquardt, true) => linear.solve_by_lm(&DMatrix::identity(3, 3), false, options)?,
-            (Step2Solver::LevenbergMarquardt, false) => {
-                let rays = extreme_rays(&conditions);
-                let generators = DMatrix::from_fn(3, rays.len(), |i, j| rays[j][i]);
-                linear.solve_by_lm(&generators, true, options)?
-            }
-        };
+impl FresnelTask<'_> {
+    /// Fits a channel.
+    pub(crate) fn fit<D: NormalDistribution<N>, const N: usize>(
+        &self,
+        lobe: &FittedLobe<'_, D>,
+    ) -> Result<FresnelFit, LmError> {
+        let ratio = lobe.peak_ratio();
+        let anchor = self.anchor(&lobe.step1.distribution, ratio);
+        let diffuse = lobe.step1.rho_d[lobe.n] / PI;
+        let transfer = |theta| transfer(&lobe.step1.distribution, anchor, theta);
+        let linear = Linear::new(self.rows, lobe.channel, diffuse, transfer, self.options.loss);
+        let conditions = conditions(self.options.constraint);
+        let (u, iterations, termination) = self.solve(&linear, &conditions)?;
         let cost = linear.cost(&u);
-        let none = if conditions.is_empty() { u.z.abs() <= NO_SPECULAR } else { u.z <= NO_SPECULAR };
-        let u = if none { Vector3::zeros() } else { u };
-        let [rho_s, f0, f1] = if none { [0.0; 3] } else { [u.z, u.x / u.z, u.y / u.z] };
-        let active: Vec<&HalfSpace> = if none { Vec::new() } else { active_at(&conditions, &u) };
-        Ok(Self {
+        let dropped = if conditions.is_empty() { u.z.abs() <= NO_SPECULAR } else { u.z <= NO_SPECULAR };
+        let [rho_s, f0, f1] = if dropped { [0.0; 3] } else { [u.z, u.x / u.z, u.y / u.z] };
+        let active: Vec<&HalfSpace> = if dropped { Vec::new() } else { active_at(&conditions, &u) };
+        Ok(FresnelFit {
             rho_s,
             f0,
             f1,
             anchor,
-            peak_missed: ratio < 0.5 && !step1.is_flat(n),
+            peak_missed: ratio < 0.5 && !lobe.step1.is_flat(lobe.n),
             cost,
-            rows: rows.len(),
+            rows: self.rows.len(),
             iterations,
             termination,
             condition_number: lm::Uncertainty::new(&linear.design, cost, &[None; 3]).condition_number,
-            standard_errors: if none { [None; 3] } else { linear.standard_errors(&u, cost, &active) },
-            active: if none { vec!["rho_s = 0".to_owned()] } else { active.iter().map(|c| c.name.clone()).collect() },
+            standard_errors: if dropped { [None; 3] } else { linear.standard_errors(&u, cost, &active) },
+            active: match dropped {
+                true => vec!["rho_s = 0".to_owned()],
+                false => active.iter().map(|condition| condition.name.clone()).collect(),
+            },
             diffuse,
         })
     }
 
-    /// The cost of given parameters in one channel, with the peak height D(theta_h) of their own distribution.
-    pub(crate) fn cost_of(rows: &[Row], theta_h: f64, channel: usize, sgd: &Sgd, options: &FitOptions) -> f64 {
-        let SgdParameters { rho_d, rho_s, f0, f1, .. } = *sgd.parameters();
-        let d0 = sgd.distribution().d_at(theta_h);
-        let linear = Linear::new(rows, channel, rho_d / PI, d0, sgd.smith(), options.loss);
-        linear.cost(&(Vector3::new(f0, f1, 1.0) * rho_s))
+    /// The peak height A: the distribution where the whole slice lies, scaled by what the peak cell says.
+    fn anchor<D: NormalDistribution<N>, const N: usize>(&self, distribution: &D, ratio: f64) -> f64 {
+        let d0 = distribution.d_at(self.theta_h);
+        match self.options.anchor {
+            Anchor::Peak if ratio > 0.0 => d0 * ratio.max(0.5),
+            Anchor::Peak | Anchor::Distribution => d0,
+        }
     }
 
-    /// The fitted slice at theta_d, 1/sr.
-    pub(crate) fn curve(&self, smith: &SmithG1, theta_d: f64) -> f64 {
-        let cos = libm::cos(theta_d);
-        let specular = Vector3::new(self.f0, self.f1, 1.0).dot(&basis(cos)) * self.rho_s;
-        self.diffuse + transfer(self.anchor, smith, theta_d) * specular
+    /// The solution, its iterations, and why the solver stopped.
+    fn solve(&self, linear: &Linear, conditions: &[HalfSpace]) -> Result<(Vector3<f64>, u64, Termination), LmError> {
+        match (self.options.step2_solver, conditions.is_empty()) {
+            (Step2Solver::Convex, _) => Ok((linear.solve_convex(conditions), 0, Termination::Gtol)),
+            (Step2Solver::LevenbergMarquardt, true) => {
+                linear.solve_by_lm(&DMatrix::identity(3, 3), false, self.options)
+            }
+            (Step2Solver::LevenbergMarquardt, false) => {
+                let rays = extreme_rays(conditions);
+                let generators = DMatrix::from_fn(3, rays.len(), |i, j| rays[j][i]);
+                linear.solve_by_lm(&generators, true, self.options)
+            }
+        }
+    }
+
+    /// The cost of given parameters in one channel, with the peak height D(theta_h) of their own distribution.
+    pub(crate) fn cost_of<D: NormalDistribution<N>, const N: usize>(
+        &self,
+        channel: usize,
+        model: &Microfacet<D, N>,
+    ) -> f64 {
+        let MicrofacetParameters { rho_d, rho_s, f0, f1, .. } = *model.parameters();
+        let d0 = model.distribution().d_at(self.theta_h);
+        let transfer = |theta| transfer(model.distribution(), d0, theta);
+        let linear = Linear::new(self.rows, channel, rho_d / PI, transfer, self.options.loss);
+        linear.cost(&(Vector3::new(f0, f1, 1.0) * rho_s))
     }
 }
 
-/// `q(theta_d) = A G1^2 / (pi cos^2)`.
-fn transfer(anchor: f64, smith: &SmithG1, theta_d: f64) -> f64 {
-    let ratio = smith.g1(theta_d) / libm::cos(theta_d);
-    anchor * ratio * ratio / PI
+impl FresnelFit {
+    /// The fitted slice at theta_d, 1/sr.
+    pub(crate) fn curve<D: NormalDistribution<N>, const N: usize>(&self, distribution: &D, theta_d: f64) -> f64 {
+        let cos = libm::cos(theta_d);
+        let specular = Vector3::new(self.f0, self.f1, 1.0).dot(&basis(cos)) * self.rho_s;
+        self.diffuse + transfer(distribution, self.anchor, theta_d) * specular
+    }
+}
+
+/// `q(theta_d) = A G1^2 / (c cos^2)`.
+fn transfer<D: NormalDistribution<N>, const N: usize>(distribution: &D, anchor: f64, theta_d: f64) -> f64 {
+    let ratio = distribution.g1(theta_d) / libm::cos(theta_d);
+    anchor * ratio * ratio / D::DIVISOR
 }
 
 /// The conditions that hold with equality at `u`, up to rounding.
@@ -136,12 +182,12 @@ fn active_at<'a>(conditions: &'a [HalfSpace], u: &Vector3<f64>) -> Vec<&'a HalfS
 }
 
 impl Linear {
-    fn new(rows: &[Row], channel: usize, diffuse: f64, anchor: f64, smith: &SmithG1, loss: Loss) -> Self {
+    fn new(rows: &[Row], channel: usize, diffuse: f64, transfer: impl Fn(f64) -> f64, loss: Loss) -> Self {
         let mut design = DMatrix::zeros(rows.len(), 3);
         let mut target = DVector::zeros(rows.len());
         for (index, row) in rows.iter().enumerate() {
             let (measured, cos) = (row.measured[channel], libm::cos(row.theta));
-            let q = transfer(anchor, smith, row.theta);
+            let q = transfer(row.theta);
             let weight = match loss {
                 // d cbrt(m cos) up to a factor
                 Loss::Log1pCos | Loss::SqrtCos => {

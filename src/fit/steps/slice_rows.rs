@@ -1,6 +1,6 @@
 //! The rows of a slice that take part in a step.
 
-use brdfit_measured::Dimensions;
+use brdfit_measured::{Dimensions, cosine_drop};
 
 /// One row of a slice inside the cut-off, with a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,9 +28,9 @@ pub(crate) fn rows_within(angles: &[f64], measured: &[Vec<Option<f64>>; 3], cuto
 }
 
 /// `cos e_i - cos e_(i+1)` of a theta_h bin: the solid angle of its ring over 2 pi.
-pub(crate) fn ring(dimensions: Dimensions, bin: usize) -> f64 {
-    let (low, high) = (dimensions.theta_h_edge(bin), dimensions.theta_h_edge(bin + 1));
-    2.0 * libm::sin(0.5 * (high + low)) * libm::sin(0.5 * (high - low))
+pub(crate) fn ring(bin: usize) -> f64 {
+    let edge = |bin: usize| Dimensions::HALF_TURN.theta_h_edge(bin);
+    cosine_drop(edge(bin), edge(bin + 1))
 }
 
 #[cfg(test)]
@@ -47,7 +47,7 @@ mod tests {
 
     #[test]
     fn rings_add_up_to_the_hemisphere() {
-        let total: f64 = (0..90).map(|bin| ring(Dimensions::HALF_TURN, bin)).sum();
+        let total: f64 = (0..90).map(|bin| ring(bin)).sum();
         assert!((total - 1.0).abs() < 1e-14);
     }
 }

@@ -1,30 +1,28 @@
 //! The fit of a material: both steps for three channels, and what is reported about them.
 
-use crate::document::{CHANNELS, ChannelFit, CurvePair, SliceCurves};
+use crate::document::{ChannelFit, CurvePair, SliceCurves};
 use crate::lm::problem::LmError;
 use crate::options::{DistributionSharing, FitOptions, OptionsError};
-use crate::report::FittedChannel;
-use crate::steps::distribution_fit::Step1;
-use crate::steps::fresnel_fit::Step2;
+use crate::steps::channel_report::FittedChannel;
+use crate::steps::distribution_fit::{DistributionFit, DistributionTask};
+use crate::steps::fresnel_fit::{FittedLobe, FresnelTask};
 use crate::steps::slice_rows::{Row, rows_within};
-use brdfit_brdf::{ParameterError, Sgd, SgdParameters, SmithG1};
-use brdfit_measured::Slices;
+use brdfit_brdf::{
+    ChannelError, DistributionVisitor, MaterialParameters, Microfacet, MicrofacetParameters, ModelName,
+    NormalDistribution,
+};
+use brdfit_measured::{CHANNEL_NAMES, Slices};
 use rayon::prelude::*;
 
 /// The fit of one material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialFit {
+    /// The parameters of R, G and B.
+    pub parameters: MaterialParameters,
     /// R, G, B.
     pub channels: [ChannelFit; 3],
     /// The slices with the fitted curves.
     pub slices: SliceCurves,
-}
-
-impl MaterialFit {
-    /// The parameters of the three channels.
-    pub fn parameters(&self) -> [SgdParameters; 3] {
-        [0, 1, 2].map(|c: usize| self.channels[c].parameters)
-    }
 }
 
 /// Why a material could not be fitted.
@@ -48,7 +46,7 @@ pub enum FitError {
     },
     /// The model cannot be evaluated with these parameters.
     #[error(transparent)]
-    Parameters(#[from] ParameterError),
+    Parameters(#[from] ChannelError),
     /// The solver refused: a measurement far outside of any BRDF's range.
     #[error("the solver failed in channel {channel}: {source}")]
     Solver {
@@ -66,71 +64,130 @@ pub enum FitError {
 ///
 /// # Errors
 /// [`FitError`] for options outside of their range, slices with fewer than eight (theta_h) or four (theta_d) measured rows, or values that overflow.
-pub fn fit_slices(slices: &Slices, options: &FitOptions) -> Result<MaterialFit, FitError> {
-    let [rows_h, rows_d] = rows_of(slices, options)?;
-    let solver_error = |c: usize| move |source| FitError::Solver { channel: CHANNELS[c], source };
-    let joint = match options.distribution {
-        DistributionSharing::PerChannel => None,
-        DistributionSharing::Joint => Some(Step1::fit(&rows_h, &[0, 1, 2], options).map_err(solver_error(0))?),
-    };
-    let fits: Vec<(ChannelFit, Vec<f64>, Vec<f64>)> = (0..3)
-        .into_par_iter()
-        .map(|c| {
-            let own = match &joint {
-                Some(_) => None,
-                None => Some(Step1::fit(&rows_h, &[c], options).map_err(solver_error(c))?),
-            };
-            let (step1, n) = match (&joint, &own) {
-                (Some(joint), _) => (joint, c),
-                (None, Some(own)) => (own, 0),
-                (None, None) => unreachable!("one of the two was fitted"),
-            };
-            let step2 =
-                Step2::fit(&rows_d, slices.theta_h[0], &rows_h, c, step1, n, options).map_err(solver_error(c))?;
-            let smith = SmithG1::new(&step1.distribution);
-            let fitted_h = slices.theta_h.iter().map(|&theta| step1.curve(n, &smith, theta)).collect();
-            let fitted_d = slices.theta_d.iter().map(|&theta| step2.curve(&smith, theta)).collect();
-            let fitted =
-                FittedChannel { channel: c, n, step1, step2: &step2, rows: [&rows_h, &rows_d], slices, options };
-            let fit = fitted.describe().map_err(solver_error(c))?;
-            Ok((fit, fitted_h, fitted_d))
-        })
-        .collect::<Result<_, FitError>>()?;
-    let [r, g, b]: [_; 3] = fits.try_into().expect("three channels");
-    Ok(MaterialFit {
-        channels: [r.0, g.0, b.0],
-        slices: SliceCurves {
-            theta_h: slices.theta_h.clone(),
-            theta_d: slices.theta_d.clone(),
-            measured: CurvePair { theta_h: slices.measured_h.clone(), theta_d: slices.measured_d.clone() },
-            fitted: CurvePair { theta_h: [r.1, g.1, b.1], theta_d: [r.2, g.2, b.2] },
-        },
-    })
+pub fn fit_slices(slices: &Slices, model: ModelName, options: &FitOptions) -> Result<MaterialFit, FitError> {
+    let rows = rows_of(slices, model, options)?;
+    model.visit(TwoSteps { model, slices, options, rows: &rows })
 }
 
 /// The costs of given parameters in both steps, per channel: what [`fit_slices`] minimises, with `Fr = rho_s F(0)` and the peak
 /// height D of theta_h bin 0 (a fit's own step 2 may take another, see [`crate::Anchor`]).
 ///
 /// # Errors
-/// As [`fit_slices`]; [`FitError::Parameters`] where the model cannot be evaluated.
+/// As [`fit_slices`].
 pub fn step_costs(
     slices: &Slices,
     options: &FitOptions,
-    parameters: &[SgdParameters; 3],
+    parameters: &MaterialParameters,
 ) -> Result<[[f64; 2]; 3], FitError> {
-    let [rows_h, rows_d] = rows_of(slices, options)?;
-    let mut costs = [[0.0; 2]; 3];
-    for c in 0..3 {
-        let sgd = Sgd::new(parameters[c])?;
-        costs[c] =
-            [Step1::cost_of(&rows_h, c, &sgd, options), Step2::cost_of(&rows_d, slices.theta_h[0], c, &sgd, options)];
+    let rows = rows_of(slices, parameters.model(), options)?;
+    let steps = TwoSteps { model: parameters.model(), slices, options, rows: &rows };
+    Ok(parameters.model().visit(Costs { steps, parameters }))
+}
+
+/// Both steps for the distribution of a model.
+struct TwoSteps<'a> {
+    model: ModelName,
+    slices: &'a Slices,
+    options: &'a FitOptions,
+    rows: &'a [Vec<Row>; 2],
+}
+
+/// What the two steps leave of a channel.
+struct ChannelResult {
+    values: Vec<f64>,
+    fit: ChannelFit,
+    fitted_h: Vec<f64>,
+    fitted_d: Vec<f64>,
+}
+
+impl TwoSteps<'_> {
+    fn step1(&self) -> DistributionTask<'_> {
+        DistributionTask { rows: &self.rows[0], position: self.slices.position, options: self.options }
     }
-    Ok(costs)
+
+    fn step2(&self) -> FresnelTask<'_> {
+        FresnelTask { rows: &self.rows[1], theta_h: self.slices.theta_h[0], options: self.options }
+    }
+
+    /// Channel `channel`, with the distribution of all channels if they share one.
+    fn channel<D: NormalDistribution<N>, const N: usize>(
+        &self,
+        channel: usize,
+        joint: Option<&DistributionFit<D>>,
+    ) -> Result<ChannelResult, LmError> {
+        let own = if joint.is_none() { Some(self.step1().fit::<D, N>(&[channel])?) } else { None };
+        let (step1, n) = match (joint, &own) {
+            (Some(joint), _) => (joint, channel),
+            (None, Some(own)) => (own, 0),
+            (None, None) => unreachable!("one of the two was fitted"),
+        };
+        let lobe = FittedLobe { step1, channel, n, peak_row: &self.rows[0][0] };
+        let step2 = self.step2().fit(&lobe)?;
+        let rows = self.rows.each_ref().map(Vec::as_slice);
+        let fitted = FittedChannel { lobe, step2: &step2, rows, slices: self.slices, options: self.options };
+        let values = fitted.parameters().values();
+        let names = self.model.model().parameters().iter().map(|parameter| parameter.name);
+        Ok(ChannelResult {
+            fit: fitted.describe(names.zip(values.iter().copied()).collect())?,
+            values,
+            fitted_h: self.slices.theta_h.iter().map(|&theta| step1.curve(n, theta)).collect(),
+            fitted_d: self.slices.theta_d.iter().map(|&theta| step2.curve(&step1.distribution, theta)).collect(),
+        })
+    }
+}
+
+impl DistributionVisitor for TwoSteps<'_> {
+    type Output = Result<MaterialFit, FitError>;
+
+    fn visit<D: NormalDistribution<N>, const N: usize>(self) -> Self::Output {
+        let solver_error = |c: usize| move |source| FitError::Solver { channel: CHANNEL_NAMES[c], source };
+        let joint = match self.options.distribution {
+            DistributionSharing::PerChannel => None,
+            DistributionSharing::Joint => Some(self.step1().fit::<D, N>(&[0, 1, 2]).map_err(solver_error(0))?),
+        };
+        let results: Vec<ChannelResult> = (0..3)
+            .into_par_iter()
+            .map(|c| self.channel::<D, N>(c, joint.as_ref()).map_err(solver_error(c)))
+            .collect::<Result<_, FitError>>()?;
+        let [r, g, b]: [_; 3] = results.try_into().ok().expect("three channels");
+        let slices = self.slices;
+        Ok(MaterialFit {
+            parameters: MaterialParameters::new(self.model, [r.values, g.values, b.values])?,
+            channels: [r.fit, g.fit, b.fit],
+            slices: SliceCurves {
+                theta_h: slices.theta_h.clone(),
+                theta_d: slices.theta_d.clone(),
+                measured: CurvePair { theta_h: slices.measured_h.clone(), theta_d: slices.measured_d.clone() },
+                fitted: CurvePair {
+                    theta_h: [r.fitted_h, g.fitted_h, b.fitted_h],
+                    theta_d: [r.fitted_d, g.fitted_d, b.fitted_d],
+                },
+            },
+        })
+    }
+}
+
+/// The costs of given parameters.
+struct Costs<'a> {
+    steps: TwoSteps<'a>,
+    parameters: &'a MaterialParameters,
+}
+
+impl DistributionVisitor for Costs<'_> {
+    type Output = [[f64; 2]; 3];
+
+    fn visit<D: NormalDistribution<N>, const N: usize>(self) -> Self::Output {
+        [0, 1, 2].map(|c: usize| {
+            let parameters = MicrofacetParameters::from_values(self.parameters.channel(c));
+            let model = Microfacet::<D, N>::new(parameters).expect("inside of the model's domain");
+            [self.steps.step1().cost_of(c, &model), self.steps.step2().cost_of(c, &model)]
+        })
+    }
 }
 
 /// The rows of both slices that the options leave.
-fn rows_of(slices: &Slices, options: &FitOptions) -> Result<[Vec<Row>; 2], FitError> {
-    options.check()?;
+fn rows_of(slices: &Slices, model: ModelName, options: &FitOptions) -> Result<[Vec<Row>; 2], FitError> {
+    options.check(model)?;
     let rows = |angles, measured, slice, cutoff, needed| {
         let rows = rows_within(angles, measured, cutoff);
         if rows.len() < needed {

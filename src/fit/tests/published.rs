@@ -1,6 +1,6 @@
 //! The published parameters of 300 channels: their normalisation, and the closed form of G1 for their distributions.
 
-use brdfit_brdf::{G1ClosedForm, G1Curve, SgdParameters, ShiftedGamma};
+use brdfit_brdf::{G1ClosedForm, Masking, NormalDistribution, SgdParameters, ShiftedGamma};
 use brdfit_fit::fit_g1;
 use std::path::PathBuf;
 
@@ -68,7 +68,7 @@ fn closed_form_of_g1() {
     let Some(channels) = published() else { return };
     let (mut rms, mut largest, mut published_errors): (f64, f64, Vec<f64>) = (0.0, 0.0, Vec::new());
     for channel in channels {
-        let curve = G1Curve::new(&ShiftedGamma::new(channel.parameters.alpha, channel.parameters.p).unwrap());
+        let curve = ShiftedGamma::new(channel.parameters.alpha, channel.parameters.p).unwrap().masking();
         let fit = fit_g1(&curve).unwrap();
         assert!(fit.rms_error < 4e-4 && fit.max_error < 1e-2, "{}: {fit:?}", channel.name);
         (rms, largest) = (rms.max(fit.rms_error), largest.max(fit.max_error));

@@ -45,7 +45,7 @@ fn measured(c: &mut Criterion) {
     let i = direction(0.7, 0.0);
     for size in [64, 256, 1024] {
         let o = image(size);
-        let lobes = model.lobes(&o);
+        let lobes = model.towards(&o);
         let mut values = [0, 1, 2].map(|_| vec![0.0; o.len()]);
         group.throughput(Throughput::Elements(o.len() as u64));
         group.bench_function(format!("lobe of {size} x {size}"), |b| {
@@ -61,7 +61,7 @@ fn measured(c: &mut Criterion) {
     group.bench_function("64 x 64 values in double precision", |b| {
         b.iter(|| (0..o.len()).map(|n| model.value(&i, &o.get(n))[1]).sum::<f64>())
     });
-    let shading = model.shading();
+    let shading = model.batch();
     let o = [0.6_f32, 0.0, 0.8].map(|v| vec![v; 4096]);
     let o = o.each_ref().map(Vec::as_slice);
     let u = [0.754_877_67, 0.569_840_3]

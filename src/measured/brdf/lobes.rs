@@ -1,6 +1,6 @@
 //! Many outgoing directions at once, eight at a time in single precision.
 
-use brdfit_brdf::{Direction, Directions, Lobes};
+use brdfit_brdf::{Direction, Directions, FixedOutgoing};
 use std::f32::consts::{FRAC_PI_2, PI};
 use wide::{f32x4, f32x8};
 
@@ -65,7 +65,7 @@ impl<'a> MeasuredLobes<'a> {
     }
 }
 
-impl Lobes for MeasuredLobes<'_> {
+impl FixedOutgoing for MeasuredLobes<'_> {
     fn values(&self, i: &Direction, first: usize, values: [&mut [f32]; 3]) {
         let [r, g, b] = &values;
         assert!(r.len() == g.len() && g.len() == b.len(), "the channels differ in length");

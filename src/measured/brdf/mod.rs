@@ -5,7 +5,7 @@ mod sampling;
 mod shading;
 mod table;
 
-use brdfit_brdf::{Brdf, Direction, Directions, Lobes, Shading};
+use brdfit_brdf::{BatchBrdf, Brdf, Direction, Directions, FixedOutgoing};
 
 use crate::error::MerlError;
 use crate::grid::sample_position::SamplePosition;
@@ -72,11 +72,11 @@ impl Brdf for MeasuredBrdf {
         self.sampling.pdf(i, o)
     }
 
-    fn lobes<'a>(&'a self, o: &'a Directions) -> Box<dyn Lobes + 'a> {
+    fn towards<'a>(&'a self, o: &'a Directions) -> Box<dyn FixedOutgoing + 'a> {
         Box::new(MeasuredLobes::new(&self.table, o))
     }
 
-    fn shading(&self) -> Box<dyn Shading + '_> {
+    fn batch(&self) -> Box<dyn BatchBrdf + '_> {
         Box::new(MeasuredShading::new(&self.table, &self.sampling))
     }
 }

@@ -1,13 +1,13 @@
 //! Directions drawn for a measured material.
 
-use brdfit_brdf::{Direction, Ggx, cosine_sample, direction, reflect};
-use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
+use brdfit_brdf::{Direction, Ggx, GgxMixture, direction, reflect};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// Half vectors of a GGX distribution as wide as the measured one, mixed with a cosine lobe by their albedos (one-sample
 /// balance heuristic): the density is above zero wherever `f` is.
 #[derive(Clone, Debug)]
 pub(super) struct Sampling {
-    proxy: Ggx,
+    mixture: GgxMixture,
     /// Probability of the proxy; the rest goes to the cosine lobe.
     specular: f64,
     /// What is diffuse in the values, 1/sr.
@@ -36,11 +36,15 @@ impl Sampling {
             .collect();
         let floor = lowest_decile(slice.iter().map(|entry| entry.1));
         let Some(proxy) = proxy(&slice, floor) else {
-            return Self { proxy: Ggx::new(1.0), specular: 0.0, floor };
+            return Self::with(Ggx::new(1.0), 0.0, floor);
         };
         let albedo = albedo_at_45_degrees(f, middle);
         let specular = if albedo > 0.0 { (1.0 - PI * floor / albedo).clamp(0.1, 0.95) } else { 0.0 };
-        Self { proxy, specular, floor }
+        Self::with(proxy, specular, floor)
+    }
+
+    fn with(proxy: Ggx, specular: f64, floor: f64) -> Self {
+        Self { mixture: GgxMixture::new([proxy; 3], [specular, 0.0, 0.0]), specular, floor }
     }
 
     /// Probability of half vectors; the rest goes to the cosine lobe.
@@ -55,20 +59,12 @@ impl Sampling {
 
     /// As [`brdfit_brdf::Brdf::sample`].
     pub(super) fn sample(&self, i: &Direction, u: [f64; 3]) -> Option<Direction> {
-        if u[2] < self.specular {
-            let o = reflect(i, &self.proxy.sample([u[0], u[1]]));
-            return (o.z > 0.0).then_some(o);
-        }
-        Some(cosine_sample([u[0], u[1]]))
+        self.mixture.sample(i, u)
     }
 
     /// As [`brdfit_brdf::Brdf::pdf`].
     pub(super) fn pdf(&self, i: &Direction, o: &Direction) -> f64 {
-        if i.z <= 0.0 || o.z <= 0.0 {
-            return 0.0;
-        }
-        let h = (i + o).normalize();
-        self.specular * self.proxy.d(h.z) * h.z / (4.0 * i.dot(&h)) + (1.0 - self.specular) * o.z * FRAC_1_PI
+        self.mixture.pdf(i, o)
     }
 }
 
@@ -125,6 +121,7 @@ fn albedo_at_45_degrees(f: impl Fn(&Direction, &Direction) -> f64, middle: impl 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use brdfit_brdf::NormalDistribution;
 
     #[test]
     fn the_proxy_of_a_ggx_lobe_has_its_width() {
@@ -132,9 +129,9 @@ mod tests {
             let ggx = Ggx::new(alpha);
             let sampling = Sampling::new(|i, o| {
                 let h = (i + o).normalize();
-                0.05 + 0.05 * ggx.d(h.z) / (i.z * o.z)
+                0.05 + 0.05 * ggx.d_at(libm::acos(h.z)) / (i.z * o.z)
             });
-            let found = sampling.proxy.alpha();
+            let found = sampling.mixture.proxies()[0].alpha();
             println!("alpha {alpha}: {found:.4}, share {:.3}", sampling.specular);
             assert!((found / alpha).ln().abs() < 0.25, "{alpha}: {found}");
             assert!((0.3..0.9).contains(&sampling.specular));

@@ -1,6 +1,6 @@
 //! A measured material for renderers.
 
-use brdfit_brdf::{Direction, HalfDifference, HalfVectorSampler, HalfVectorTable, HalfVectors, Shading, by_eights};
+use brdfit_brdf::{BatchBrdf, Direction, HalfDifference, HalfVectorSampler, HalfVectorTable, HalfVectors, by_eights};
 use std::f64::consts::FRAC_PI_2;
 use wide::f32x8;
 
@@ -15,7 +15,7 @@ const THETA_D: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 /// At least this share of a value counts as part of the lobe.
 const LEAST: f64 = 0.05;
 
-/// [`Shading`] of a table: trilinear interpolation in single precision, as for lobes, and half vectors from the measured values.
+/// [`BatchBrdf`] of a table: trilinear interpolation in single precision, as for lobes, and half vectors from the measured values.
 pub(super) struct MeasuredShading<'a> {
     table: &'a Table,
     sampler: HalfVectorSampler,
@@ -57,7 +57,7 @@ impl<'a> MeasuredShading<'a> {
     }
 }
 
-impl Shading for MeasuredShading<'_> {
+impl BatchBrdf for MeasuredShading<'_> {
     fn sample(&self, o: [&[f32]; 3], u: [&[f32]; 2], i: [&mut [f32]; 3]) {
         self.sampler.sample_many(o, u, i);
     }

@@ -162,8 +162,8 @@ impl Grid {
     }
 }
 
-/// `cos a - cos b` without cancellation.
-pub(crate) fn cosine_drop(a: f64, b: f64) -> f64 {
+/// `cos a - cos b` without cancellation: the solid angle over 2 pi between two polar angles, radians.
+pub fn cosine_drop(a: f64, b: f64) -> f64 {
     2.0 * libm::sin(0.5 * (a + b)) * libm::sin(0.5 * (b - a))
 }
 

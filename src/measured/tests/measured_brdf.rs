@@ -55,7 +55,7 @@ fn tabulated(dimensions: Dimensions, position: SamplePosition, f: impl Fn(usize,
 fn by_lobes(model: &MeasuredBrdf, i: &Direction, o: &Direction) -> ([f32; 3], Direction) {
     let o: Directions = [*o; 9].into_iter().collect();
     let (mut r, mut g, mut b) = ([9.0; 9], [9.0; 9], [9.0; 9]);
-    model.lobes(&o).values(i, 0, [&mut r, &mut g, &mut b]);
+    model.towards(&o).values(i, 0, [&mut r, &mut g, &mut b]);
     assert_eq!((r[0], g[0], b[0]), (r[8], g[8], b[8]), "the rest of a block differs from a block");
     ([r[3], g[3], b[3]], o.get(3))
 }

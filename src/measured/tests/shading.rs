@@ -3,12 +3,14 @@
 #[path = "../../brdf/tests/checks/mod.rs"]
 mod checks;
 
-use brdfit_brdf::{Brdf, Direction, GgxBrdf, HalfDifference, direction};
+use brdfit_brdf::{Brdf, Direction, GgxMaterial, HalfDifference, direction};
 use brdfit_measured::{Dimensions, MeasuredBrdf, MerlFile, SamplePosition};
 use checks::{check_draws, evaluated, furnace};
 use std::f64::consts::TAU;
 
-const GGX: GgxBrdf = GgxBrdf { rho_d: [0.3, 0.2, 0.1], rho_s: [0.4, 0.3, 0.6], m: 0.05 };
+fn ggx() -> GgxMaterial {
+    GgxMaterial::without_fresnel([0.3, 0.2, 0.1], [0.4, 0.3, 0.6], 0.05).unwrap()
+}
 
 fn measured(dimensions: Dimensions) -> MeasuredBrdf {
     let centre = SamplePosition::Centre;
@@ -19,7 +21,7 @@ fn measured(dimensions: Dimensions) -> MeasuredBrdf {
             phi_d: dimensions.phi_d_sample(p, centre),
         };
         let (i, o) = angles.to_directions();
-        if i.z.min(o.z) > 0.0 { GGX.value(&i, &o)[channel] } else { -1.0 }
+        if i.z.min(o.z) > 0.0 { ggx().value(&i, &o)[channel] } else { -1.0 }
     });
     MeasuredBrdf::new(&file.unwrap(), centre).unwrap()
 }
@@ -27,7 +29,7 @@ fn measured(dimensions: Dimensions) -> MeasuredBrdf {
 #[test]
 fn draws_follow_the_density() {
     let model = measured(Dimensions::HALF_TURN);
-    check_draws("measured", &*model.shading());
+    check_draws("measured", &*model.batch());
 }
 
 #[test]
@@ -44,7 +46,7 @@ fn values_are_those_in_double_precision() {
             }
         }
         let [i, o] = pairs;
-        let (values, density) = evaluated(&*model.shading(), &i, &o);
+        let (values, density) = evaluated(&*model.batch(), &i, &o);
         let mut worst: f64 = 0.0;
         for n in 0..i[0].len() {
             let at = |v: &[Vec<f32>; 3]| Direction::new(v[0][n].into(), v[1][n].into(), v[2][n].into());
@@ -62,7 +64,7 @@ fn values_are_those_in_double_precision() {
 #[test]
 fn weights_average_to_the_albedo() {
     let model = measured(Dimensions::HALF_TURN);
-    let shading = model.shading();
+    let shading = model.batch();
     for theta in [0.05, 0.8, 1.3, 1.5] {
         let eye = direction(theta, 0.4);
         // midpoint rule over half vectors, in theta_h = pi/2 s^3, where the lobe is resolved

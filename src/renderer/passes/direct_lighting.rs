@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use brdfit_brdf::Shading;
+use brdfit_brdf::BatchBrdf;
 
 use crate::Vec3;
 use crate::geometry::sobol;
@@ -106,7 +106,7 @@ impl Default for Batch {
 
 impl Batch {
     /// Takes the samples of all requests, which together are [`LANES`] at most.
-    pub(crate) fn gather(&mut self, shading: &dyn Shading, light: &Light, look_up: LookUp, requests: &[Request]) {
+    pub(crate) fn gather(&mut self, shading: &dyn BatchBrdf, light: &Light, look_up: LookUp, requests: &[Request]) {
         let [drawn, total] = self.lay_out(requests);
         self.prepare(requests);
         {

@@ -1,18 +1,18 @@
 //! A material as the passes see it.
 
 use brdfit_bandwidth::{Atlas, AtlasPlace};
-use brdfit_brdf::{Brdf, Shading};
+use brdfit_brdf::{BatchBrdf, Brdf};
 
 /// A BRDF made ready for shading, and the bandwidth of its lobes.
 pub struct Material<'a> {
-    pub(crate) shading: Box<dyn Shading + 'a>,
+    pub(crate) shading: Box<dyn BatchBrdf + 'a>,
     atlas: &'a Atlas,
 }
 
 impl<'a> Material<'a> {
     /// The material of a BRDF and its atlas.
     pub fn new(brdf: &'a dyn Brdf, atlas: &'a Atlas) -> Self {
-        Self { shading: brdf.shading(), atlas }
+        Self { shading: brdf.batch(), atlas }
     }
 
     /// Angular bandwidth of the BRDF for a pair of local directions, cycles per radian: level 0 of the atlas, nearest, the

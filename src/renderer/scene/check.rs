@@ -5,6 +5,7 @@ use crate::scene::document::{
     SceneMaterial,
 };
 use crate::scene::error::{Field, SceneError};
+use brdfit_brdf::Ggx;
 
 /// Largest width and height of an image, pixels.
 const LARGEST_IMAGE: usize = 16384;
@@ -91,11 +92,12 @@ fn check_material(material: &SceneMaterial, at: &Field) -> Result<(), SceneError
                 range(value, 0.0, 1.0, &source.member("lambert").element(channel))?;
             }
         }
-        MaterialSource::Ggx { rho_d, rho_s, m } => {
+        MaterialSource::Ggx { rho_d, rho_s, alpha } => {
             let source = source.member("ggx");
             colour(*rho_d, &source.member("rho_d"))?;
             colour(*rho_s, &source.member("rho_s"))?;
-            range(*m, 1e-4, 10.0, &source.member("m"))?;
+            let [least, most] = Ggx::ALPHA_RANGE;
+            range(*alpha, least, most, &source.member("alpha"))?;
         }
     }
     if let Some(atlas) = &material.atlas {

@@ -112,8 +112,9 @@ pub enum MaterialSource {
         rho_d: [f64; 3],
         /// Specular scale per channel, at least 0.
         rho_s: [f64; 3],
-        /// Width of the distribution of normals, above 0, at most 10.
-        m: f64,
+        /// Width of the distribution of normals, 1e-4 to 10; "m" is its old name.
+        #[serde(alias = "m")]
+        alpha: f64,
     },
 }
 

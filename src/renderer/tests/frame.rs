@@ -1,7 +1,7 @@
 //! Whole frames: what must hold whatever is rendered.
 
 use brdfit_bandwidth::{Atlas, AtlasChannels, Layout, LobeGrid, LobeOptions, SIZE, compute_atlas};
-use brdfit_brdf::{Brdf, GgxBrdf, Lambert, SgdMaterial, SgdParameters};
+use brdfit_brdf::{Brdf, GgxMaterial, Lambert, SgdMaterial, SgdParameters};
 use brdfit_renderer::{
     BACKGROUND, Budget, Differentials, FrameStatistics, GBuffer, Geometry, Light, LightBandwidth, Material, Mode,
     Prefilter, Procedural, RenderOptions, Renderer, Scene, SceneDocument, Upsampling, View,
@@ -91,7 +91,8 @@ fn a_white_furnace_shows_the_albedo() {
     // under radiance 1 a Lambert surface shows its albedo, a GGX one without diffuse part no more than 1
     let gbuffer = gbuffer(SCENE);
     let light = Procedural::Uniform.light(64);
-    let (grey, mirror) = (Lambert { albedo: [0.6, 0.3, 0.1] }, GgxBrdf { rho_d: [0.0; 3], rho_s: [1.0; 3], m: 0.3 });
+    let (grey, mirror) =
+        (Lambert { albedo: [0.6, 0.3, 0.1] }, GgxMaterial::without_fresnel([0.0; 3], [1.0; 3], 0.3).unwrap());
     let flat = flat_atlas();
     for mode in [Mode::Adaptive, Mode::AdaptivePixels, Mode::AdaptiveCounts, Mode::Reference] {
         let options = RenderOptions { mode, budget: Budget::SamplesPerPixel(64.0), ..RenderOptions::default() };

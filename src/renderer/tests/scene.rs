@@ -15,7 +15,7 @@ fn scene(eye: [f64; 3], objects: Value) -> Value {
         "light": { "procedural": { "kind": "uniform" } },
         "materials": {
             "blue": { "source": { "lambert": [0.1, 0.1, 0.9] } },
-            "red": { "source": { "ggx": { "rho_d": [0.5, 0, 0], "rho_s": [0.2, 0.2, 0.2], "m": 0.1 } } }
+            "red": { "source": { "ggx": { "rho_d": [0.5, 0, 0], "rho_s": [0.2, 0.2, 0.2], "alpha": 0.1 } } }
         },
         "objects": objects
     })
@@ -225,8 +225,8 @@ fn wrong_values_are_named_with_their_path() {
             "materials.red.source.lambert[1]: 2 is not in 0 to 1",
         ),
         (
-            |d| d["materials"]["red"]["source"]["ggx"]["m"] = json!(0),
-            "materials.red.source.ggx.m: 0 is not in 0.0001 to 10",
+            |d| d["materials"]["red"]["source"]["ggx"]["alpha"] = json!(0),
+            "materials.red.source.ggx.alpha: 0 is not in 0.0001 to 10",
         ),
         (
             |d| d["materials"]["red"]["source"] = json!({ "measured": { "file": "" } }),

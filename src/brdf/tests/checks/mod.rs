@@ -1,6 +1,6 @@
-//! What holds for the shading of every model: draws follow the density, and weights average to the albedo.
+//! What holds for the batch of every model: draws follow the density, and weights average to the albedo.
 
-use brdfit_brdf::{Shading, direction};
+use brdfit_brdf::{BatchBrdf, direction};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Pseudorandom numbers in [0, 1) (Steele et al. 2014, SplitMix64).
@@ -29,21 +29,17 @@ fn toward(theta_o: f64, count: usize) -> [Vec<f32>; 3] {
     [o.x, o.y, o.z].map(|v| vec![v as f32; count])
 }
 
-fn drawn(shading: &dyn Shading, o: &[Vec<f32>; 3], u: &[Vec<f32>; 2]) -> [Vec<f32>; 3] {
+fn drawn(batch: &dyn BatchBrdf, o: &[Vec<f32>; 3], u: &[Vec<f32>; 2]) -> [Vec<f32>; 3] {
     let mut i = [0; 3].map(|_| vec![f32::NAN; u[0].len()]);
-    shading.sample(
-        o.each_ref().map(Vec::as_slice),
-        u.each_ref().map(Vec::as_slice),
-        i.each_mut().map(Vec::as_mut_slice),
-    );
+    batch.sample(o.each_ref().map(Vec::as_slice), u.each_ref().map(Vec::as_slice), i.each_mut().map(Vec::as_mut_slice));
     i
 }
 
 /// Values and density.
-pub(crate) fn evaluated(shading: &dyn Shading, i: &[Vec<f32>; 3], o: &[Vec<f32>; 3]) -> ([Vec<f32>; 3], Vec<f32>) {
+pub(crate) fn evaluated(batch: &dyn BatchBrdf, i: &[Vec<f32>; 3], o: &[Vec<f32>; 3]) -> ([Vec<f32>; 3], Vec<f32>) {
     let count = i[0].len();
     let (mut values, mut density) = ([0; 3].map(|_| vec![f32::NAN; count]), vec![f32::NAN; count]);
-    shading.evaluate(
+    batch.evaluate(
         i.each_ref().map(Vec::as_slice),
         o.each_ref().map(Vec::as_slice),
         values.each_mut().map(Vec::as_mut_slice),
@@ -66,7 +62,7 @@ fn half_vectors(i: &[Vec<f32>; 3], o: &[Vec<f32>; 3]) -> Vec<[f64; 2]> {
 /// Pearson's test of 200 000 draws against the integrals of the density over 24 rings of half vectors, as full as each other,
 /// and 8 azimuths. Returns chi-square as a standard normal deviate (Wilson and Hilferty 1931), the integral over all and the
 /// share that was drawn above the horizon.
-fn chi_square(shading: &dyn Shading, theta_o: f64, seed: u64) -> [f64; 3] {
+fn chi_square(batch: &dyn BatchBrdf, theta_o: f64, seed: u64) -> [f64; 3] {
     const COUNT: usize = 200_000;
     const RINGS: usize = 24;
     const AZIMUTHS: usize = 8;
@@ -74,11 +70,11 @@ fn chi_square(shading: &dyn Shading, theta_o: f64, seed: u64) -> [f64; 3] {
     let o = toward(theta_o, COUNT);
     // rings from other draws than those that are counted
     let mut places: Vec<f64> =
-        half_vectors(&drawn(shading, &o, &random(seed ^ 0xabcd, COUNT)), &o).iter().map(|h| h[0]).collect();
+        half_vectors(&drawn(batch, &o, &random(seed ^ 0xabcd, COUNT)), &o).iter().map(|h| h[0]).collect();
     places.sort_by(f64::total_cmp);
     let edges: Vec<f64> = (1..RINGS).map(|n| places[n * places.len() / RINGS]).collect();
     let mut counts = vec![0.0; RINGS * AZIMUTHS];
-    let half = half_vectors(&drawn(shading, &o, &random(seed, COUNT)), &o);
+    let half = half_vectors(&drawn(batch, &o, &random(seed, COUNT)), &o);
     for [place, azimuth] in &half {
         let ring = edges.partition_point(|edge| edge <= place);
         counts[ring * AZIMUTHS + ((azimuth / TAU * AZIMUTHS as f64) as usize).min(AZIMUTHS - 1)] += 1.0;
@@ -115,7 +111,7 @@ fn chi_square(shading: &dyn Shading, theta_o: f64, seed: u64) -> [f64; 3] {
                     weights.push(area * 4.0 * cos_d.max(0.0));
                 }
             }
-            let (_, density) = evaluated(shading, &i, &toward(theta_o, weights.len()));
+            let (_, density) = evaluated(batch, &i, &toward(theta_o, weights.len()));
             let share: f64 = density.iter().zip(&weights).map(|(&density, weight)| f64::from(density) * weight).sum();
             total += share;
             pooled[0] += counts[ring * AZIMUTHS + sector];
@@ -133,10 +129,10 @@ fn chi_square(shading: &dyn Shading, theta_o: f64, seed: u64) -> [f64; 3] {
 }
 
 /// The directional albedo by draws, and the largest weight `f cos / density` of any channel.
-pub(crate) fn furnace(shading: &dyn Shading, theta_o: f64, count: usize) -> ([f64; 3], f64) {
+pub(crate) fn furnace(batch: &dyn BatchBrdf, theta_o: f64, count: usize) -> ([f64; 3], f64) {
     let o = toward(theta_o, count);
-    let i = drawn(shading, &o, &even(count));
-    let (values, density) = evaluated(shading, &i, &o);
+    let i = drawn(batch, &o, &even(count));
+    let (values, density) = evaluated(batch, &i, &o);
     let (mut sums, mut largest) = ([0.0; 3], 0.0_f64);
     for n in (0..count).filter(|&n| i[2][n] > 0.0) {
         assert!(density[n] > 0.0, "a direction that cannot be drawn was drawn");
@@ -150,9 +146,9 @@ pub(crate) fn furnace(shading: &dyn Shading, theta_o: f64, count: usize) -> ([f6
 }
 
 /// Draws and the density belong together, seen from several directions.
-pub(crate) fn check_draws(name: &str, shading: &dyn Shading) {
+pub(crate) fn check_draws(name: &str, batch: &dyn BatchBrdf) {
     for (n, theta_o) in [0.1, 0.8, 1.35].into_iter().enumerate() {
-        let [deviate, integral, above] = chi_square(shading, theta_o, 77 + n as u64);
+        let [deviate, integral, above] = chi_square(batch, theta_o, 77 + n as u64);
         println!(
             "{name} {theta_o}: chi-square {deviate:+.2} standard deviations, integral {integral:.4}, above {above:.4}"
         );

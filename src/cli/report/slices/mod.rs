@@ -11,7 +11,8 @@ mod svg;
 use std::fmt::Write;
 
 use axis::{AngleAxis, LogAxis};
-use brdfit_fit::document::{CHANNELS, ChannelFit, ErrorPanel, FitDocument};
+use brdfit_fit::document::{ErrorPanel, FitDocument};
+use brdfit_measured::CHANNEL_NAMES;
 use panel::{BOTTOM, COLOURS, LINE_WIDTHS, Panel, below_axis_marker, marker};
 use svg::{escape, indexed, number, put};
 
@@ -55,7 +56,7 @@ pub(crate) fn draw(document: &FitDocument) -> String {
         panel.draw(&mut out, &values, number == 0);
     }
     legend(&mut out, panels.iter().any(|panel| panel.has_values_below(&values)));
-    table(&mut out, &document.channels, document.errors.as_ref());
+    table(&mut out, document, document.errors.as_ref());
     out.push_str("</svg>\n");
     out
 }
@@ -86,8 +87,9 @@ fn head(out: &mut String, document: &FitDocument) {
     put!(out, r##"<text x="{MARGIN}" y="42" font-size="22" font-weight="700" fill="#111">{name}</text>"##);
     put!(
         out,
-        r##"<text x="{:.1}" y="42" text-anchor="end" fill="#666">two-step fit of the SGD model, samples at the bin's {}</text>"##,
+        r##"<text x="{:.1}" y="42" text-anchor="end" fill="#666">two-step fit of the {} model, samples at the bin's {}</text>"##,
         WIDTH - MARGIN,
+        document.model.model().title(),
         document.input.sample_position
     );
 }
@@ -126,17 +128,16 @@ fn legend(out: &mut String, below: bool) {
 }
 
 /// The parameters of the channels; their symbols and colours make it the legend, too.
-fn table(out: &mut String, channels: &[ChannelFit], errors: Option<&ErrorPanel>) {
+fn table(out: &mut String, document: &FitDocument, errors: Option<&ErrorPanel>) {
+    let channels = &document.channels;
     let top = BOTTOM + 98.0;
-    let mut columns: Vec<(String, Vec<f64>)> = [
-        (indexed("ρ", "d", ""), channels.iter().map(|channel| channel.parameters.rho_d).collect()),
-        (indexed("ρ", "s", ""), channels.iter().map(|channel| channel.parameters.rho_s).collect()),
-        ("α".to_owned(), channels.iter().map(|channel| channel.parameters.alpha).collect()),
-        ("p".to_owned(), channels.iter().map(|channel| channel.parameters.p).collect()),
-        (indexed("F", "0", ""), channels.iter().map(|channel| channel.parameters.f0).collect()),
-        (indexed("F", "1", ""), channels.iter().map(|channel| channel.parameters.f1).collect()),
-    ]
-    .into();
+    let of_model = document.model.model().parameters().iter().map(|parameter| {
+        let (symbol, index) = parameter.symbol;
+        let title = if index.is_empty() { symbol.to_owned() } else { indexed(symbol, index, "") };
+        let value = |name: &str, n: usize| channels[n].parameters.get(name).unwrap_or(f64::NAN);
+        (title, (0..channels.len()).map(|n| value(parameter.name, n)).collect())
+    });
+    let mut columns: Vec<(String, Vec<f64>)> = of_model.collect();
     if let Some(errors) = errors {
         columns.extend([
             ("E".to_owned(), errors.e.to_vec()),
@@ -146,7 +147,7 @@ fn table(out: &mut String, channels: &[ChannelFit], errors: Option<&ErrorPanel>)
     }
     let first = LEFT[0] + 70.0;
     let pitch = (WIDTH - MARGIN - first) / columns.len() as f64;
-    for (row, name) in CHANNELS.iter().enumerate().take(channels.len()) {
+    for (row, name) in CHANNEL_NAMES.iter().enumerate().take(channels.len()) {
         let y = top + 21.0 * (row + 1) as f64;
         let (x, colour) = (LEFT[0], COLOURS[row]);
         let mut path = String::new();
@@ -195,7 +196,7 @@ mod tests {
         let value = json!({
             "schema_version": 1, "program": "test", "model": "sgd",
             "input": { "name": name, "dimensions": [90, 90, 180], "sample_position": "edge" },
-            "options": brdfit_fit::FitOptions::default(),
+            "options": brdfit_fit::RecordedOptions::new(&Default::default(), Default::default()),
             "channels": [channel("R"), channel("G"), channel("B")],
             "slices": {
                 "theta_h": [0.0, 0.5, 1.5], "theta_d": [0.0, 0.5, 1.5], "measured": both(measured), "fitted": both(fitted)

@@ -3,7 +3,8 @@
 mod checks;
 
 use brdfit_brdf::{
-    Brdf, Direction, G1Curve, GgxBrdf, Lambert, SgdMaterial, SgdParameters, direction, directional_albedo, reflect,
+    Brdf, Direction, GgxMaterial, Lambert, MicrofacetParameters, NormalDistribution, SgdMaterial, SgdParameters,
+    direction, reflect,
 };
 use checks::{check_draws, evaluated, furnace};
 use std::f64::consts::TAU;
@@ -14,23 +15,34 @@ fn sgd(alpha: [f64; 3], rho_d: f64) -> SgdMaterial {
     SgdMaterial::new([0, 1, 2].map(channel)).unwrap()
 }
 
-const GGX: GgxBrdf = GgxBrdf { rho_d: [0.1, 0.2, 0.0], rho_s: [0.4, 0.3, 0.6], m: 0.1 };
+fn ggx() -> GgxMaterial {
+    GgxMaterial::without_fresnel([0.1, 0.2, 0.0], [0.4, 0.3, 0.6], 0.1).unwrap()
+}
+
+/// Three GGX channels with a Fresnel term.
+fn coloured_ggx(alpha: [f64; 3], rho_d: f64) -> GgxMaterial {
+    let channel = |c: usize| MicrofacetParameters { rho_d, rho_s: 0.8, shape: [alpha[c]], f0: 0.3, f1: 0.05 };
+    GgxMaterial::new([0, 1, 2].map(channel)).unwrap()
+}
 
 #[test]
 fn draws_of_sgd_follow_the_density() {
-    check_draws("sharp", &*sgd([1e-4; 3], 0.05).shading());
-    check_draws("three widths", &*sgd([1e-4, 0.003, 0.2], 0.2).shading());
-    check_draws("broad", &*sgd([0.3, 0.5, 0.9], 0.0).shading());
+    check_draws("sharp", &*sgd([1e-4; 3], 0.05).batch());
+    check_draws("three widths", &*sgd([1e-4, 0.003, 0.2], 0.2).batch());
+    check_draws("broad", &*sgd([0.3, 0.5, 0.9], 0.0).batch());
 }
 
 #[test]
 fn draws_of_other_models_follow_the_density() {
-    check_draws("ggx", &*GGX.shading());
-    check_draws("lambert", &*Lambert { albedo: [0.5; 3] }.shading());
+    check_draws("ggx", &*ggx().batch());
+    check_draws("coloured ggx", &*coloured_ggx([0.003, 0.05, 0.6], 0.1).batch());
+    check_draws("sharp ggx", &*coloured_ggx([1e-4; 3], 0.0).batch());
+    check_draws("broad ggx", &*coloured_ggx([2.0; 3], 0.3).batch());
+    check_draws("lambert", &*Lambert { albedo: [0.5; 3] }.batch());
 }
 
 /// A model with the default.
-struct Plain(GgxBrdf);
+struct Plain(GgxMaterial);
 
 impl Brdf for Plain {
     fn value(&self, i: &Direction, o: &Direction) -> [f64; 3] {
@@ -48,7 +60,7 @@ impl Brdf for Plain {
 
 #[test]
 fn draws_of_any_model_follow_the_density() {
-    check_draws("one by one", &*Plain(GGX).shading());
+    check_draws("one by one", &*Plain(ggx()).batch());
 }
 
 #[test]
@@ -57,12 +69,12 @@ fn weights_average_to_the_albedo() {
         [([1e-4; 3], 0.05), ([1e-4, 0.003, 0.2], 0.2), ([0.3, 0.5, 0.9], 0.0), ([1e-6, 1e-5, 1e-3], 0.0)]
     {
         let material = sgd(alpha, rho_d);
-        let shading = material.shading();
+        let batch = material.batch();
         for theta in [0.05, 0.6, 1.2, 1.5, 1.55] {
-            let (found, largest) = furnace(&*shading, theta, 200_000);
+            let (found, largest) = furnace(&*batch, theta, 200_000);
             for c in 0..3 {
                 let channel = material.channel(c);
-                let expected = directional_albedo(channel, &G1Curve::new(channel.distribution()), theta);
+                let expected = channel.directional_albedo(&channel.distribution().masking(), theta);
                 println!("{alpha:?} {theta} {c}: {:+.1e}, largest weight {largest:.1}", found[c] / expected - 1.0);
                 assert!((found[c] / expected - 1.0).abs() < 5e-3, "{alpha:?} {theta} {c}: {} {expected}", found[c]);
             }
@@ -106,7 +118,7 @@ fn values_are_those_in_double_precision() {
     for alpha in [1e-6, 1e-4, 1e-2, 0.2, 1.0] {
         let material = sgd([alpha; 3], 0.0);
         let (i, o) = pairs(alpha);
-        let (values, _) = evaluated(&*material.shading(), &i, &o);
+        let (values, _) = evaluated(&*material.batch(), &i, &o);
         for n in 0..i[0].len() {
             let exact = material.value(&at(&i, n), &at(&o, n));
             let peak =
@@ -125,8 +137,8 @@ fn values_are_those_in_double_precision() {
     println!("sgd: largest relative errors down to 1e-3 and 1e-30 of the mirror direction: {worst:?}");
     assert!(worst[0] < 6e-5 && worst[1] < 1e-4, "{worst:?}");
     let (i, o) = pairs(0.01);
-    for model in [&GGX as &dyn Brdf, &Lambert { albedo: [0.1, 0.5, 1.0] }, &Plain(GGX)] {
-        let (values, _) = evaluated(&*model.shading(), &i, &o);
+    for model in [&ggx() as &dyn Brdf, &Lambert { albedo: [0.1, 0.5, 1.0] }, &Plain(ggx())] {
+        let (values, _) = evaluated(&*model.batch(), &i, &o);
         for n in 0..i[0].len() {
             let exact = model.value(&at(&i, n), &at(&o, n));
             for c in 0..3 {
@@ -139,20 +151,20 @@ fn values_are_those_in_double_precision() {
 #[test]
 fn nothing_is_reflected_below_the_horizon_and_entries_are_independent() {
     let (sharp, lambert) = (sgd([1e-4, 0.01, 0.3], 0.1), Lambert { albedo: [0.5; 3] });
-    for model in [&sharp as &dyn Brdf, &GGX, &lambert, &Plain(GGX)] {
-        let shading = model.shading();
+    for model in [&sharp as &dyn Brdf, &ggx(), &lambert, &Plain(ggx())] {
+        let batch = model.batch();
         let (mut i, mut o) = pairs(0.01);
         for n in (0..i[0].len()).step_by(5) {
             if n % 2 == 0 { i[2][n] *= -1.0 } else { o[2][n] *= -1.0 }
         }
-        let (values, density) = evaluated(&*shading, &i, &o);
+        let (values, density) = evaluated(&*batch, &i, &o);
         for n in 0..i[0].len() {
             let above = n % 5 != 0;
             assert!(values.iter().all(|channel| (channel[n] > 0.0) == above) && (density[n] > 0.0) == above);
         }
         for (first, count) in [(0, 1), (3, 7), (5, 8), (9, 17), (1, 0)] {
             let part = |all: &[Vec<f32>; 3]| all.each_ref().map(|v| v[first..first + count].to_vec());
-            let (some, some_density) = evaluated(&*shading, &part(&i), &part(&o));
+            let (some, some_density) = evaluated(&*batch, &part(&i), &part(&o));
             assert_eq!((some, some_density), (part(&values), density[first..first + count].to_vec()));
         }
     }
@@ -163,9 +175,9 @@ fn the_whole_domain_gives_numbers() {
     for (alpha, p) in [(1e-12, 2.0), (1e-6, -89.0), (1.0, -80.0), (100.0, 19.0), (100.0, -89.0), (0.01, 19.0)] {
         let channel = |rho_s| SgdParameters { rho_d: 0.1, rho_s, alpha, p, f0: 0.2, f1: -0.1 };
         let material = SgdMaterial::new([channel(0.5), channel(0.0), channel(0.3)]).unwrap();
-        let shading = material.shading();
+        let batch = material.batch();
         for theta in [0.0, 1.0, 1.57] {
-            let (albedo, largest) = furnace(&*shading, theta, 1000);
+            let (albedo, largest) = furnace(&*batch, theta, 1000);
             assert!(
                 albedo.iter().all(|albedo| albedo.is_finite()) && largest.is_finite(),
                 "alpha {alpha} p {p}: {albedo:?}"

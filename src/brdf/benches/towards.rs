@@ -15,7 +15,7 @@ fn hemisphere(side: u32) -> Directions {
         .collect()
 }
 
-fn lobes(criterion: &mut Criterion) {
+fn towards(criterion: &mut Criterion) {
     let o = hemisphere(180);
     let i = direction(0.7, 0.0);
     for (name, alpha) in [("sharp", 1e-4), ("glossy", 1e-2), ("matte", 0.3)] {
@@ -23,8 +23,8 @@ fn lobes(criterion: &mut Criterion) {
         let material = SgdMaterial::new([channel(0.4), channel(0.6), channel(0.8)]).expect("inside of the domain");
         let mut group = criterion.benchmark_group(name);
         group.throughput(Throughput::Elements(o.len() as u64));
-        group.bench_function("prepare", |bencher| bencher.iter(|| drop(material.lobes(black_box(&o)))));
-        let lobes = material.lobes(&o);
+        group.bench_function("prepare", |bencher| bencher.iter(|| drop(material.towards(black_box(&o)))));
+        let lobes = material.towards(&o);
         let mut values = [0; 3].map(|_| vec![0.0; o.len()]);
         group.bench_function("evaluate", |bencher| {
             bencher.iter(|| lobes.values(black_box(&i), 0, values.each_mut().map(|channel| channel.as_mut_slice())));
@@ -33,5 +33,5 @@ fn lobes(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, lobes);
+criterion_group!(benches, towards);
 criterion_main!(benches);

@@ -1,11 +1,13 @@
-//! The SGD model towards many fixed directions, eight at a time in single precision.
+//! Microfacet models towards many fixed directions, eight at a time in single precision.
 
-use crate::batch::fixed_outgoing::{Directions, Lobes};
+use crate::batch::fixed_outgoing::{Directions, FixedOutgoing};
+use crate::batch::microfacet_channel::{HalfAngles, MicrofacetChannel};
+use crate::distributions::normal_distribution::NormalDistribution;
 use crate::masking::curve::G1Curve;
-use crate::math::direction::Direction;
+use crate::masking::masking::Masking;
+use crate::math::direction::{Direction, sine};
 use crate::math::log_exp::log2;
-use crate::models::sgd::{Sgd, sine};
-use crate::models::sgd_channel::{SgdChannel, fifth_of_grazing};
+use crate::models::microfacet::Microfacet;
 use wide::f32x8;
 
 /// Directions that are evaluated together.
@@ -13,23 +15,23 @@ const LANES: usize = 8;
 /// `tan^2 theta_h` is cut here: even the widest distribution is zero before, and its square stays finite.
 const LARGEST_TAN_SQUARE: f32 = 1e9;
 
-/// [`Lobes`] of three SGD channels.
+/// [`FixedOutgoing`] of three channels.
 ///
 /// # Accuracy
-/// Against the evaluation in double precision at the same `o` (that is [`Directions::get`]), for alpha in [1e-6, 1], p in
+/// Against the evaluation in double precision at the same `o` (that is [`Directions::get`]), for the SGD model with alpha in [1e-6, 1], p in
 /// [0, 2] and both angles up to arccos 0.02, without a diffuse term: within 3e-6 relative where `f` is above 1e-3 of its value in
 /// the mirror direction, within 3e-5 down to 1e-30 of it (test below). This includes the core of the sharpest lobes, where
 /// `tan theta_h` of 1e-7 matters: the sum of `i` and `o` is formed with what single precision leaves of `i` and of the length
 /// of `o`. It does not include the distance of up to 6e-8 rad between a direction that is meant and the nearest that
 /// [`Directions`] can hold, which in the core at alpha = 1e-6 moves `f` itself by several percent.
-pub(crate) struct SgdLobes<'a> {
+pub(crate) struct MicrofacetTowards<'a, D: NormalDistribution<N>, const N: usize> {
     o: &'a Directions,
     /// Lengths of the directions, less one: rounding leaves some 1e-7.
     excess: Vec<f32>,
     /// `G1(theta_o) / cos theta_o` per channel and direction.
     masking: [Vec<f32>; 3],
-    curves: [&'a G1Curve; 3],
-    channels: [SgdChannel; 3],
+    curves: [&'a D::Masking; 3],
+    channels: [MicrofacetChannel<D::Lanes>; 3],
 }
 
 /// One incident direction.
@@ -38,12 +40,12 @@ struct Incident {
     rounded: [f32; 3],
     /// What rounding took from those along the surface.
     rest: [f32; 2],
-    /// `rho_s P22(t*) G1(theta_i) / (pi^2 cos theta_i)` per channel.
+    /// `rho_s height G1(theta_i) / (c pi cos theta_i)` per channel.
     specular: [f32; 3],
 }
 
-impl<'a> SgdLobes<'a> {
-    pub(crate) fn new(channels: [(&'a Sgd, &'a G1Curve); 3], o: &'a Directions) -> Self {
+impl<'a, D: NormalDistribution<N>, const N: usize> MicrofacetTowards<'a, D, N> {
+    pub(crate) fn new(channels: [(&'a Microfacet<D, N>, &'a D::Masking); 3], o: &'a Directions) -> Self {
         let length_excess = |((&x, &y), &z): ((&f32, &f32), &f32)| {
             let [x, y, z] = [x, y, z].map(f64::from);
             (0.5 * (x * x + y * y + z * z - 1.0)) as f32
@@ -58,7 +60,7 @@ impl<'a> SgdLobes<'a> {
             let positions = log2_cot.map(|log2_cot| G1Curve::position_from_log2(log2_cot.into()));
             let (cosines, sines) = (cos.to_array().map(f64::from), sin.to_array().map(f64::from));
             for (masking, (_, curve)) in masking.iter_mut().zip(channels) {
-                let mu_lambda = |n: usize| curve.mu_lambda(positions[n], cosines[n], sines[n]) as f32;
+                let mu_lambda = |n: usize| curve.mu_lambda(cosines[n], sines[n], positions[n]) as f32;
                 let inverse = cos + sin * f32x8::from(std::array::from_fn(mu_lambda));
                 // finite: infinity times a lobe of zero is no number
                 let g1_over_cos = above & (1.0 / inverse.fast_max(f32x8::splat(f32::MIN_POSITIVE)));
@@ -71,7 +73,7 @@ impl<'a> SgdLobes<'a> {
             excess,
             masking,
             curves: channels.map(|(_, curve)| curve),
-            channels: channels.map(|(sgd, _)| SgdChannel::new(sgd)),
+            channels: channels.map(|(channel, _)| MicrofacetChannel::new(channel)),
         }
     }
 
@@ -97,30 +99,25 @@ impl<'a> SgdLobes<'a> {
         let across = h_x * h_x + h_y * h_y;
         let along = h_z * h_z;
         let tan_square = (across / along).fast_min(f32x8::splat(LARGEST_TAN_SQUARE));
-        let cos_d = (across + along).sqrt() * 0.5;
-        let secant = tan_square + 1.0;
-        let secant_fourth = secant * secant;
-        let fifth = fifth_of_grazing(cos_d);
+        let half = HalfAngles::new(tan_square, (across + along).sqrt() * 0.5);
         let above = z.simd_gt(f32x8::ZERO);
-        let value = |c: usize| {
+        [0, 1, 2].map(|c: usize| {
             let channel = &self.channels[c];
-            let specular = channel.lobe(tan_square).map_or(f32x8::ZERO, |lobe| {
-                lobe * i.specular[c] * masking[c] * secant_fourth * channel.fresnel(cos_d, fifth)
-            });
-            above & (specular + channel.diffuse)
-        };
-        [value(0), value(1), value(2)]
+            let scale = f32x8::splat(i.specular[c]);
+            above & channel.value(channel.lobe(&half), &half, scale, [masking[c], f32x8::ONE])
+        })
     }
 }
 
-impl Lobes for SgdLobes<'_> {
+impl<D: NormalDistribution<N>, const N: usize> FixedOutgoing for MicrofacetTowards<'_, D, N> {
     fn values(&self, i: &Direction, first: usize, mut values: [&mut [f32]; 3]) {
         let count = values[0].len();
         assert!(values.iter().all(|channel| channel.len() == count), "the channels differ in length");
         if i.z <= 0.0 {
             return values.into_iter().for_each(|channel| channel.fill(0.0));
         }
-        let i = Incident::new(i, &self.channels, self.curves);
+        let specular = self.channels.each_ref().map(|channel| channel.specular);
+        let i = Incident::new(i, specular, self.curves);
         let [masking_r, masking_g, masking_b] = &self.masking;
         let stored = [&self.o.x, &self.o.y, &self.o.z, &self.excess, masking_r, masking_g, masking_b]
             .map(|numbers| &numbers[first..first + count]);
@@ -144,14 +141,14 @@ impl Lobes for SgdLobes<'_> {
 }
 
 impl Incident {
-    fn new(i: &Direction, channels: &[SgdChannel; 3], curves: [&G1Curve; 3]) -> Self {
+    fn new<M: Masking>(i: &Direction, specular: [f64; 3], curves: [&M; 3]) -> Self {
         let rounded = [i.x as f32, i.y as f32, i.z as f32];
         let [cos, sin, position] = place(i.z);
         Self {
             rounded,
             rest: [(i.x - f64::from(rounded[0])) as f32, (i.y - f64::from(rounded[1])) as f32],
             specular: std::array::from_fn(|c| {
-                let specular = channels[c].specular * curves[c].g1_over_cos(cos, sin, position);
+                let specular = specular[c] * curves[c].g1_over_cos(cos, sin, position);
                 // finite, as above
                 (specular as f32).clamp(-f32::MAX, f32::MAX)
             }),
@@ -178,15 +175,14 @@ mod tests {
     use super::*;
     use crate::brdf::Brdf;
     use crate::math::direction::{direction, reflect};
-    use crate::models::sgd::SgdParameters;
-    use crate::models::sgd_material::SgdMaterial;
+    use crate::models::sgd::{SgdMaterial, SgdParameters};
     use std::f64::consts::PI;
 
     const LIMIT: f64 = 0.02;
 
     fn values(material: &SgdMaterial, i: &Direction, o: &Directions) -> [Vec<f32>; 3] {
         let mut values = [0; 3].map(|_| vec![f32::NAN; o.len()]);
-        material.lobes(o).values(i, 0, values.each_mut().map(Vec::as_mut_slice));
+        material.towards(o).values(i, 0, values.each_mut().map(Vec::as_mut_slice));
         values
     }
 
@@ -274,7 +270,7 @@ mod tests {
         let i = direction(0.5, 0.0);
         let o = directions(&direction(0.5, 1.0), 0.01);
         let all = values(&material, &i, &o);
-        let lobes = material.lobes(&o);
+        let lobes = material.towards(&o);
         for (first, count) in [(0, 1), (3, 7), (5, 8), (9, 17), (o.len() - 5, 5), (o.len(), 0)] {
             let mut some = [0; 3].map(|_| vec![f32::NAN; count]);
             lobes.values(&i, first, some.each_mut().map(Vec::as_mut_slice));
