@@ -21,6 +21,8 @@ from bytes_cases import all_cases
 
 WITHOUT_THREADS = ("", "help", "man", "completions", "schema", "export", "merge", "--help", "-h", "--version")
 """Command lines that get no --threads; nor do those that end in help, or are to fail: usage texts would name it."""
+BATCHES = ("fit ", "atlas ")
+"""Commands that report a bad input as soon as they meet it: with several threads, lines about errors come in any order."""
 LIMIT = 300
 """Seconds that one command may take."""
 
@@ -53,7 +55,10 @@ def run(binary, case, work, threads):
         except subprocess.TimeoutExpired:
             code, out, err = f"none: stopped after {LIMIT} s", b"", b""
         (folder / f"exit-code{mark}").write_text(f"{code}\n")
-        for stream, content in (("stdout", out), ("stderr", without_times(err))):
+        err = without_times(err)
+        if line.startswith(BATCHES):
+            err = in_order(err)
+        for stream, content in (("stdout", out), ("stderr", err)):
             if content:
                 (folder / f"{stream}{mark}").write_bytes(content)
     for path in folder.rglob("*.stats.json"):
@@ -63,6 +68,11 @@ def run(binary, case, work, threads):
 def without_times(text):
     """Durations of messages, such as "0.22 s" and "5 ms"."""
     return re.sub(rb"\b\d+(\.\d+)? (ms|s|min)\b", rb"TIME", text)
+
+
+def in_order(text):
+    """Neighbouring lines about errors, sorted."""
+    return re.sub(rb"(^error: .*\n)+", lambda found: b"".join(sorted(found.group().splitlines(keepends=True))), text, flags=re.M)
 
 
 def without_milliseconds(text):

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The judge of a change that must not change results: runs the program on some hundred command lines and prints a hash of every
-# output. Every byte counts, apart from times, which are replaced before hashing. The same set judges another binary.
+# output. Every byte counts, apart from times, which are replaced before hashing, and the order in which a batch reports bad inputs.
 #
 #     scripts/validate/bytes.sh [OPTION...] > hashes.txt               sha256 and name of each output, sorted by name
 #     scripts/validate/bytes.sh [OPTION...] --against hashes.txt       0: equal; 1: not, with a list of what differs
