@@ -7,4 +7,4 @@ kept=$target/render
 materials=$kept/materials
 mkdir -p "$materials"
 measured_files "$materials"
-"$python" "$root/scripts/published_fits.py" "$materials"
+"$python" "$root/scripts/reference/published_fits.py" "$materials"
