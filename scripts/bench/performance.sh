@@ -7,6 +7,6 @@ python_environment
 temporary_folder
 files=${1:-$work/files}
 cargo build --quiet --release --manifest-path "$root/Cargo.toml"
-mapfile -t names < <("$python" "$tools/make_merl.py" list)
+mapfile -t names < <(make_merl list)
 reconstructed_files "$files" "${names[@]}"
 "$python" "$root/scripts/bench/performance.py" "$target/release/brdfit" "$files"

@@ -10,14 +10,14 @@ temporary_folder
 output=${1:-$root/docs/published_comparison.md}
 cargo build --quiet --release --manifest-path "$root/Cargo.toml" -p brdfit-fit --example published_comparison
 compare() { "$target/release/examples/published_comparison" "$data/tables/sgd_published.json" "$@"; }
-mapfile -t names < <("$python" "$tools/make_merl.py" list)
+mapfile -t names < <(make_merl list)
 for ((first = 0; first < ${#names[@]}; first += 4)); do
     files=()
     for name in "${names[@]:first:4}"; do
         files+=("$work/$name.binary")
     done
     printf '%s\n' "${names[@]:first:4}" |
-        xargs -P 2 -I NAME "$python" "$tools/make_merl.py" npf NAME "$work/NAME.binary"
+        xargs -P 2 -I NAME "$python" "$root/scripts/fixtures/make_merl.py" npf NAME "$work/NAME.binary"
     compare reconstruction edge "${files[@]}" >>"$work/reconstruction.jsonl"
     rm "$work"/*.binary
 done
