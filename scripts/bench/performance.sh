@@ -6,7 +6,7 @@ source "$(dirname "$0")/../common.sh"
 python_environment
 temporary_folder
 files=${1:-$work/files}
-cargo build --quiet --release --manifest-path "$root/Cargo.toml"
+build_program
 mapfile -t names < <(make_merl list)
 reconstructed_files "$files" "${names[@]}"
-"$python" "$root/scripts/bench/performance.py" "$target/release/brdfit" "$files"
+"$python" "$root/scripts/bench/performance.py" "$brdfit" "$files"

@@ -6,7 +6,7 @@
 source "$(dirname "$0")/../common.sh"
 python_environment
 temporary_folder
-cargo build --quiet --release --manifest-path "$root/Cargo.toml"
+build_program
 measured_files "$work/measured"
 "$python" "$root/scripts/reference/published_fits.py" "$work/fits"
-"$python" "$root/scripts/bench/performance_atlas.py" "$target/release/brdfit" "$work/fits" "$work/measured"
+"$python" "$root/scripts/bench/performance_atlas.py" "$brdfit" "$work/fits" "$work/measured"

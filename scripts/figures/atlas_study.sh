@@ -6,12 +6,12 @@
 source "$(dirname "$0")/../common.sh"
 python_environment
 temporary_folder
-cargo build --quiet --release --manifest-path "$root/Cargo.toml"
-cargo build --quiet --release --manifest-path "$root/Cargo.toml" -p brdfit-bandwidth --example lookup_error
+build_program
+build_example lookup_error --release
 measured_files "$work/measured"
 "$python" "$root/scripts/reference/published_fits.py" "$work/fits"
 for layout in isotropic hemisphere; do
-    make() { "$target/release/brdfit" atlas --quiet --formats ktx2 --layout $layout "$@"; }
+    make() { "$brdfit" atlas --quiet --formats ktx2 --layout $layout "$@"; }
     make "$work/fits" -o "$work/$layout/fitted"
     make "$work/measured" --sample-position centre -o "$work/$layout/measured"
     "$python" "$root/scripts/figures/atlas_pca.py" "$work/$layout/fitted" "$work/$layout/measured"
@@ -21,4 +21,4 @@ five=()
 for name in pink-felt blue-rubber gold-metallic-paint nickel chrome; do
     five+=("$work/fits/$name.json")
 done
-"$target/release/examples/lookup_error" "${five[@]}" "$work"/measured/{paper_white,chm_mint}.binary
+"$example" "${five[@]}" "$work"/measured/{paper_white,chm_mint}.binary

@@ -8,8 +8,7 @@ source "$(dirname "$0")/../common.sh"
 python_environment
 temporary_folder
 out=${1:-$work/fits}
-cargo build --quiet --release --manifest-path "$root/Cargo.toml"
-brdfit=$target/release/brdfit
+build_program
 measured_files "$work/measured"
 # shellcheck disable=SC2086 # a list of names
 reconstructed_files "$work/reconstructed" $twelve

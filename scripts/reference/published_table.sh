@@ -8,8 +8,8 @@ source "$(dirname "$0")/../common.sh"
 python_environment
 temporary_folder
 output=${1:-$root/docs/published_comparison.md}
-cargo build --quiet --release --manifest-path "$root/Cargo.toml" -p brdfit-fit --example published_comparison
-compare() { "$target/release/examples/published_comparison" "$data/tables/sgd_published.json" "$@"; }
+build_example published_comparison
+compare() { "$example" "$data/tables/sgd_published.json" "$@"; }
 mapfile -t names < <(make_merl list)
 for ((first = 0; first < ${#names[@]}; first += 4)); do
     files=()

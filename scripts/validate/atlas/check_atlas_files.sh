@@ -5,6 +5,7 @@
 #
 #     scripts/validate/atlas/check_atlas_files.sh FOLDER      FOLDER holds NAME.exr and NAME.ktx2, in any depth of folders
 [ $# -eq 1 ] && [ -d "$1" ] || { echo "usage: scripts/validate/atlas/check_atlas_files.sh FOLDER" >&2; exit 1; }
+data_is_optional=yes
 source "$(dirname "$0")/../../common.sh"
 python_environment
 temporary_folder

@@ -4,6 +4,7 @@
 # missing) through wgpu. The GLSL is also compiled by Khronos' glslang, for OpenGL, OpenGL ES and Vulkan.
 #
 #     scripts/validate/atlas/check_shaders.sh
+data_is_optional=yes
 source "$(dirname "$0")/../../common.sh"
 python_environment
 temporary_folder
@@ -41,6 +42,7 @@ glslangValidator -V -o "$work/vulkan.spv" "$work/vulkan.frag" >&2
 glslangValidator -V -o "$work/samplerless.spv" "$work/samplerless.frag" >&2
 echo "GLSL compiles in glslang: 130, 300 es, 450 with a sampler2D, 450 with a texture2D"
 
-cargo run --quiet --locked --manifest-path "$root/Cargo.toml" --package brdfit-bandwidth --example sampling_vectors -- "$work"
+build_example sampling_vectors
+"$example" "$work"
 export VK_ICD_FILENAMES=${icd[0]} VK_DRIVER_FILES=${icd[0]} XDG_RUNTIME_DIR=$work
 "$python" "$root/scripts/validate/atlas/run_shaders.py" "$work" "$shaders"/bandwidth_atlas.{wgsl,glsl}
