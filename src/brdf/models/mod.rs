@@ -1,5 +1,6 @@
 //! The reflectance models and the material part of the JSON documents.
 
+#[cfg(feature = "serde")]
 pub(crate) mod document;
 pub(crate) mod fresnel;
 pub(crate) mod ggx_material;
