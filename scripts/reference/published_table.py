@@ -22,13 +22,17 @@ INTRODUCTION = """\
 
 Written by `scripts/reference/published_table.sh`; every figure below is printed by it.
 
-The published parameters are those of Bagher, Soler & Holzschuch 2012 for the 100 materials of the MERL database (three
-channels each). The genuine measurements may not be redistributed, so both parameter sets are judged on
-**reconstructions** of them from the factor tables of Bagher, Snyder & Nowrouzezahrai 2016 (samples at the edge of their cells). The published parameters were
-fitted to the genuine measurements, ours to the reconstruction that judges both: read the ratios with that in mind.
+The published parameters are those of Bagher, Soler and Holzschuch 2012 for the 100 materials of the
+MERL database (three channels each). The genuine measurements may not be redistributed, so both
+parameter sets are judged on **reconstructions** of them from the factor tables of Bagher, Snyder
+and Nowrouzezahrai 2016 (samples at the edge of their cells). The published parameters were fitted
+to the genuine measurements, ours to the reconstruction that judges both, and a product of factors
+suits a fit of two slices: read the ratios with that in mind
+([accuracy.md](accuracy.md#what-the-reconstruction-proves)).
 
-E, L, C: cosine-weighted, logarithmic and cube root error over all cells with both angles up to 80 degrees
-(docs/theory.md, section 6). Costs: what the two steps of our fit minimise, evaluated at either parameter set.
+E, L, C: cosine-weighted, logarithmic and cube root error over all cells with both angles up to 80
+degrees ([theory.md](theory.md), section 6). Costs: what the two steps of our fit minimise,
+evaluated for either parameter set.
 """
 
 
