@@ -8,6 +8,7 @@ Exit code 7 where a bar of accuracy is missed.
 import json
 import math
 import sys
+import textwrap
 from pathlib import Path
 from statistics import median
 
@@ -72,9 +73,9 @@ def accuracy(rows):
 def recovery(folder):
     """Recovery of the published parameters from files made with them, and whether the bar holds."""
     text = ["## Recovery", "",
-            "MERL files made from the published parameters, fitted with the constraint `free` (a third of the published channels",
-            "leave 0 <= F <= 1 or are degenerate, so curves are compared and not parameters): the largest relative deviation of the",
-            "fitted curves from the slices inside the cut-offs.", ""]
+            "MERL files made from the published parameters, fitted with the constraint `free` (a third of the",
+            "published channels leave 0 <= F <= 1 or are degenerate, so curves are compared and not parameters):",
+            "the largest relative deviation of the fitted curves from the slices inside the cut-offs.", ""]
     held = True
     for position in ("edge", "centre"):
         rows = lines(folder / f"recovery-{position}.jsonl")
@@ -99,7 +100,8 @@ def recovery(folder):
 def table(rows):
     """Per material: mean over channels of costs and errors, with the ratio ours / published."""
     text = ["## Per material", "",
-            "Sums of the costs and root mean squares of the errors over the three channels; ratio: ours over published.", "",
+            "Sums of the costs and root mean squares of the errors over the three channels; ratio: ours over",
+            "published.", "",
             "| material | step 1, ours | published | ratio | step 2, ours | published | ratio | E | ratio | L | ratio | C | ratio | flags |",
             "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"]
     for name in sorted({row["material"] for row in rows}):
@@ -126,7 +128,10 @@ def main():
     worst = max(rows, key=lambda row: row["ours"]["L"] / row["published"]["L"])
     ratios = ", ".join(f"{kind} {worst['ours'][kind] / worst['published'][kind]:.2f}" for kind in KINDS)
     worst_line = f"Worst ratio in L: {worst['material']} {worst['channel']} ({ratios})."
-    text = [INTRODUCTION, "## Errors", "", *summary, "", worst_line, "", *recovered_text, "", *table(rows), ""]
+    items = [line.startswith("- ") for line in recovered_text]
+    wrapped = [textwrap.fill(line, 100, subsequent_indent="  ", break_on_hyphens=False) if item else line
+               for line, item in zip(recovered_text, items)]
+    text = [INTRODUCTION, "## Errors", "", *summary, "", worst_line, "", *wrapped, "", *table(rows), ""]
     output.write_text("\n".join(text))
     print("\n".join([*summary, worst_line, "", *recovered_text[-2:]]))
     if not (accurate and recovered):
