@@ -13,7 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/, for brdfit_reference
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "reference"))  # for brdfit_reference
 
 import bytes_inputs
 from brdfit_reference.merl import data_folder

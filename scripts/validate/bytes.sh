@@ -20,8 +20,8 @@ binary=()
 case " $* " in
 *" --binary "* | *" --binary="* | *" --list "* | *" --help "* | *" -h "*) ;;
 *)
-    cargo build --quiet --release --locked --manifest-path "$root/Cargo.toml"
-    binary=(--binary "$target/release/brdfit")
+    build_program
+    binary=(--binary "$brdfit")
     ;;
 esac
 exec "$python" "$root/scripts/validate/bytes.py" "${binary[@]}" "$@"
