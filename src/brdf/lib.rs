@@ -16,7 +16,7 @@ pub use batch::fixed_outgoing::{Directions, Lobes};
 pub use batch::half_vector_sampler::{HalfVectorSampler, HalfVectors};
 pub use batch::half_vector_table::HalfVectorTable;
 pub use batch::shading::Shading;
-pub use brdf::{Brdf, Lambert, cosine_sample};
+pub use brdf::{Brdf, Lambert, Symmetry, cosine_sample};
 pub use distributions::ggx::Ggx;
 pub use distributions::shifted_gamma::ShiftedGamma;
 pub use masking::closed_form::G1ClosedForm;

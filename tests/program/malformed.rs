@@ -106,7 +106,7 @@ fn measured_files() {
         &[
             ("fit missing.binary", 2, "missing.binary: no such file; check the path"),
             ("fit empty.binary/x.binary", 2, "x.binary: no such file"),
-            ("info .", 2, ".: is a folder, not a MERL file"),
+            ("info .", 2, ".: is a folder, not a measured file"),
             ("info /dev/null", 2, "/dev/null: is a pipe or a device"),
             ("fit empty.binary", 3, "empty.binary: the file is empty (0 bytes)"),
             ("fit byte.binary", 3, "truncated: 1 of 12 bytes in the header alone"),
@@ -133,7 +133,7 @@ fn measured_files() {
             ("fit x.bz2.binary", 3, "is a bzip2 archive"),
             ("fit x.zst.binary", 3, "is a zstd archive"),
             ("fit x.zip.binary", 3, "is a zip archive"),
-            ("fit x.bsdf.binary", 3, "is an RGL tensor file"),
+            ("fit x.bsdf.binary", 3, "implausible dimensions"),
             ("fit x.lfs.binary", 3, "is a pointer to a file kept in git-lfs"),
             ("fit x.html.binary", 3, "implausible dimensions"),
             ("fit x.json.binary", 3, "implausible dimensions"),

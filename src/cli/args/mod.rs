@@ -145,9 +145,9 @@ pub(crate) struct InfoArgs {
     #[arg(long, value_name = "FORMAT", default_value = "text")]
     pub(crate) format: Format,
 
-    /// Where in its cell a sample lies
-    #[arg(long, value_name = "WHERE", default_value = "edge")]
-    pub(crate) sample_position: PositionArg,
+    /// Where in its cell a sample lies [default: edge]
+    #[arg(long, value_name = "WHERE")]
+    pub(crate) sample_position: Option<PositionArg>,
 }
 
 const INFO_EXAMPLES: &str = "\

@@ -38,7 +38,13 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome>
     let plan = FitPlan {
         inputs: vec![InputFile::new(files.binary.clone(), Wanted::Measured)?],
         target: Target::Folder(args.output.clone()),
-        job: Job { options, scan: true, panel: true, accept_non_finite: false },
+        job: Job {
+            sample_position: Some(options.sample_position),
+            options,
+            scan: true,
+            panel: true,
+            accept_non_finite: false,
+        },
         resume: false,
         picture: true,
         atlas: false,

@@ -75,6 +75,7 @@ impl FitPlan {
             inputs = shard.part(inputs);
         }
         let job = Job {
+            sample_position: args.sample_position.map(Into::into),
             options,
             scan: !args.no_hash,
             panel: !args.no_panel && !args.no_hash,

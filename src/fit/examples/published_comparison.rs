@@ -67,8 +67,8 @@ fn reconstruction(
     let slices = file.slices(position);
     let fit = fit_slices(&slices, &options)?;
     let (our_panel, their_panel) = (
-        error_panel(&file, scan.valid(), geometry, &fit.parameters())?,
-        error_panel(&file, scan.valid(), geometry, &theirs)?,
+        error_panel(&file.cells(), scan.valid(), geometry, &fit.parameters())?,
+        error_panel(&file.cells(), scan.valid(), geometry, &theirs)?,
     );
     let their_costs = step_costs(&slices, &options, &theirs)?;
     for c in 0..3 {

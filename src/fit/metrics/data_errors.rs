@@ -3,7 +3,7 @@
 use crate::document::{AllCells, ErrorPanel, LargestResidual, PanelTriple};
 use crate::metrics::grid_model::{Directions, GridModel};
 use brdfit_brdf::{ParameterError, SgdParameters};
-use brdfit_measured::{AlbedoPlan, CellMask, Dimensions, Grid, MerlFile, PANEL_ANGLE, SamplePosition};
+use brdfit_measured::{AlbedoPlan, CellMask, Cells, Dimensions, Grid, PANEL_ANGLE, SamplePosition};
 use rayon::prelude::*;
 use wide::f64x4;
 
@@ -69,7 +69,7 @@ struct Part {
     largest: Option<LargestResidual>,
 }
 
-/// The errors of a model of three channels against a file, over the cells of `valid` (the scan's mask).
+/// The errors of a model of three channels against a measurement, over the cells of `valid` (the survey's mask).
 ///
 /// Sums run in the file's order within each theta_h bin and over the bins in order: the same bytes for any number of threads.
 /// Masking comes from [`brdfit_brdf::G1Curve`] (5e-8 relative); against an independent NumPy implementation E, L and C agree within 1e-6
@@ -79,19 +79,19 @@ struct Part {
 /// For parameters with which the model cannot be evaluated.
 ///
 /// # Panics
-/// If the file's shape is not that of the geometry.
+/// If the shape of the grid is not that of the geometry.
 pub fn error_panel(
-    file: &MerlFile,
+    cells: &Cells<'_>,
     valid: &CellMask,
     geometry: &PanelGeometry,
     parameters: &[SgdParameters; 3],
 ) -> Result<ErrorPanel, ParameterError> {
-    assert_eq!(file.dimensions(), geometry.grid.dimensions(), "the geometry belongs to another shape");
+    assert_eq!(cells.dimensions(), geometry.grid.dimensions(), "the geometry belongs to another shape");
     let [r, g, b] = parameters.map(|channel| GridModel::new(channel, &geometry.grid));
     let models = [r?, g?, b?];
     let parts: Vec<([Part; 3], [usize; 2])> = (0..Dimensions::THETA_H)
         .into_par_iter()
-        .map(|theta_h| theta_h_bin(file, valid, geometry, &models, theta_h))
+        .map(|theta_h| theta_h_bin(cells, valid, geometry, &models, theta_h))
         .collect();
     let mut total = [Part::default(); 3];
     let mut samples = [0; 2];
@@ -107,7 +107,7 @@ pub fn error_panel(
         }
         samples = [samples[0] + counts[0], samples[1] + counts[1]];
     }
-    let (albedo, albedo_difference) = albedos(file, valid, geometry, &models);
+    let (albedo, albedo_difference) = albedos(cells, valid, geometry, &models);
     let panel = [0, 1, 2].map(|c: usize| total[c].panel.errors(albedo[c]));
     let all = [0, 1, 2].map(|c: usize| total[c].all.errors(albedo[c]));
     let over_channels = |n: usize| (panel.iter().map(|errors| errors[n] * errors[n]).sum::<f64>() / 3.0).sqrt();
@@ -149,7 +149,7 @@ const PADDING: Lanes =
     Lanes { cos_i: [0.5; 4], cos_o: [0.5; 4], positions: [[0.0; 2]; 4], inside: [0.0; 4], present: [0.0; 4] };
 
 fn theta_h_bin(
-    file: &MerlFile,
+    cells: &Cells<'_>,
     valid: &CellMask,
     geometry: &PanelGeometry,
     models: &[GridModel; 3],
@@ -188,7 +188,7 @@ fn theta_h_bin(
             for (four, lane) in bins.chunks(4).zip(&lanes) {
                 let mut f = [0.0; 4];
                 for (value, &phi_d) in f.iter_mut().zip(four) {
-                    *value = file.value(c, row.first + phi_d);
+                    *value = cells.value(c, row.first + phi_d);
                 }
                 let [cos_i, cos_o] = [lane.cos_i, lane.cos_o].map(f64x4::from);
                 let g = models[c].four_values(theta_h, theta_d, [cos_i, cos_o], &lane.positions);
@@ -262,7 +262,7 @@ fn add_lanes(sum: f64x4) -> f64 {
 
 /// The largest measured albedo per channel and the relative differences of the model's at the compared angles.
 fn albedos(
-    file: &MerlFile,
+    cells: &Cells<'_>,
     valid: &CellMask,
     geometry: &PanelGeometry,
     models: &[GridModel; 3],
@@ -275,7 +275,7 @@ fn albedos(
             let mut sums = [0.0; 3];
             for (cell, weight) in albedo.cells(angle).filter(|&(cell, _)| keep(cell)) {
                 for c in 0..3 {
-                    sums[c] += weight * file.value(c, cell);
+                    sums[c] += weight * cells.value(c, cell);
                 }
             }
             sums
@@ -308,6 +308,7 @@ fn albedos(
 mod tests {
     use super::*;
     use crate::metrics::grid_model::synthesise;
+    use brdfit_measured::MerlFile;
 
     const GLOSSY: SgdParameters = SgdParameters { rho_d: 0.1, rho_s: 0.4, alpha: 0.02, p: 0.7, f0: 0.3, f1: 0.1 };
 
@@ -331,7 +332,7 @@ mod tests {
     fn the_model_has_no_distance_from_itself() {
         let file = file_of(&[GLOSSY; 3], SamplePosition::Edge);
         let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Edge);
-        let panel = error_panel(&file, file.scan().valid(), &geometry, &[GLOSSY; 3]).unwrap();
+        let panel = error_panel(&file.cells(), file.scan().valid(), &geometry, &[GLOSSY; 3]).unwrap();
         for errors in [panel.e, panel.l, panel.c, panel.all_cells.errors.e] {
             assert!(errors.iter().all(|&error| error < 1e-9), "{errors:?}");
         }
@@ -343,7 +344,7 @@ mod tests {
         let file = file_of(&[GLOSSY; 3], SamplePosition::Edge);
         let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Edge);
         let negative = SgdParameters { rho_s: -40.0, ..GLOSSY };
-        let panel = error_panel(&file, file.scan().valid(), &geometry, &[negative; 3]).unwrap();
+        let panel = error_panel(&file.cells(), file.scan().valid(), &geometry, &[negative; 3]).unwrap();
         assert!([panel.e, panel.l, panel.c].as_flattened().iter().all(|error| error.is_finite() && *error > 0.0));
     }
 
@@ -354,7 +355,8 @@ mod tests {
         let file = file_of(&[diffuse(0.2); 3], SamplePosition::Centre);
         let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Centre);
         let panel =
-            error_panel(&file, file.scan().valid(), &geometry, &[diffuse(0.2), diffuse(0.3), diffuse(0.1)]).unwrap();
+            error_panel(&file.cells(), file.scan().valid(), &geometry, &[diffuse(0.2), diffuse(0.3), diffuse(0.1)])
+                .unwrap();
         let expected = 0.1 / std::f64::consts::PI / panel.albedo[1];
         assert!(
             panel.e[0] < 1e-12
