@@ -7,10 +7,11 @@ use crate::grid::sample_position::SamplePosition;
 use crate::mapped_file::MappedFile;
 use crate::measurement::{Format, Measurement};
 use crate::merl::measurement::MERL;
+use crate::rgl::measurement::RGL;
 
 /// All formats. A file that none recognises by its first bytes is read as the one with its extension, else as the first, whose
 /// messages say what is wrong with it.
-pub static FORMATS: &[&Format] = &[&MERL];
+pub static FORMATS: &[&Format] = &[&MERL, &RGL];
 
 /// Opens a measured file of any format, with its samples at `position` (`None`: where the format has them, or the
 /// format's default).
@@ -53,7 +54,7 @@ mod tests {
     #[test]
     fn the_extension_decides_where_the_bytes_do_not() {
         let folder = tempfile::tempdir().unwrap();
-        for (name, part) in [("x.binary", "not a MERL"), ("x", "not a MERL")] {
+        for (name, part) in [("x.binary", "not a MERL"), ("x.bsdf", "not an RGL"), ("x", "not a MERL")] {
             let path = folder.path().join(name);
             std::fs::write(&path, b"<!DOCTYPE html><title>404 Not Found</title>").unwrap();
             let message = open(&path, None).unwrap_err().to_string();

@@ -3,12 +3,18 @@
 //! [`open`] recognises the format of a file and checks its container; nothing else is read until it is asked for. What a fit,
 //! an atlas or a report needs is in [`Measurement`], and no user of this crate has to know a format; [`FORMATS`] lists them.
 //!
-//! ```no_run
+//! ```
+//! use brdfit_brdf::direction;
 //! use std::path::Path;
 //!
-//! let measurement = brdfit_measured::open(Path::new("gold.binary"), None)?;
+//! # let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data-fixtures/ggx_rgb.bsdf");
+//! # let path = path.as_path();
+//! let measurement = brdfit_measured::open(path, None)?;
 //! let slices = measurement.slices(); // what a fit reads
+//! println!("retro-reflection in red: {:?} per steradian", slices.measured_h[0][0]);
 //! let brdf = measurement.brdf()?; // what a renderer evaluates
+//! let f = brdf.value(&direction(0.5, 0.0), &direction(0.6, 3.0));
+//! assert!(f[0] > 0.0);
 //! # Ok::<(), brdfit_measured::MeasurementError>(())
 //! ```
 //!
@@ -24,6 +30,7 @@ mod info;
 mod mapped_file;
 mod measurement;
 mod merl;
+mod rgl;
 mod slices;
 
 pub use brdf::MeasuredBrdf;

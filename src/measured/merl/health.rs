@@ -166,6 +166,11 @@ impl HealthCheck {
         }
     }
 
+    /// The geometry.
+    pub(crate) fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
     /// The directional albedo of `value(channel, cell)`, in 1/sr, over the cells that are `used`.
     pub(crate) fn albedo(&self, used: impl Fn(usize) -> bool, value: impl Fn(usize, usize) -> f64) -> AlbedoHealth {
         AlbedoHealth {
