@@ -87,6 +87,9 @@ pub struct Described {
     pub fault: Option<MeasurementError>,
 }
 
+/// How a file is made a measurement, with its samples where the user asked for.
+pub(crate) type Open = fn(MappedFile, Option<SamplePosition>) -> Result<Box<dyn Measurement>, MeasurementError>;
+
 /// A file format of measured BRDFs: one entry of [`crate::FORMATS`].
 #[derive(Debug)]
 pub struct Format {
@@ -100,7 +103,7 @@ pub struct Format {
     pub(crate) probe: fn(&[u8]) -> bool,
     /// Checks the container and makes the measurement. A position is what the user asked for: a format that fixes its own
     /// refuses another one.
-    pub(crate) open: fn(MappedFile, Option<SamplePosition>) -> Result<Box<dyn Measurement>, MeasurementError>,
+    pub(crate) open: Open,
 }
 
 impl Format {

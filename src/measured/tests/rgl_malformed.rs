@@ -26,7 +26,9 @@ fn refused_bytes(bytes: &[u8]) -> MeasurementError {
 
 /// A file in parts: name, type, shape, bytes.
 #[derive(Clone)]
-struct Fields(Vec<(String, u8, Vec<u64>, Vec<u8>)>);
+struct Fields(Vec<Field>);
+
+type Field = (String, u8, Vec<u64>, Vec<u8>);
 
 impl Fields {
     /// Reads a sound file.
@@ -46,7 +48,7 @@ impl Fields {
         Self(fields.collect())
     }
 
-    fn get(&mut self, name: &str) -> &mut (String, u8, Vec<u64>, Vec<u8>) {
+    fn get(&mut self, name: &str) -> &mut Field {
         self.0.iter_mut().find(|field| field.0 == name).unwrap()
     }
 
