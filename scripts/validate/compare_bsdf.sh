@@ -6,12 +6,11 @@
 source "$(dirname "$0")/../common.sh"
 python_environment
 temporary_folder
-cargo build --quiet --release --manifest-path "$root/Cargo.toml"
-cargo build --quiet --release --manifest-path "$root/Cargo.toml" -p brdfit-measured --example evaluate
-brdfit=$target/release/brdfit
+build_program
+build_example evaluate
 script=$root/scripts/validate/compare_bsdf.py
 status=0
-"$python" "$script" "$target/release/examples/evaluate" "$root"/data-fixtures/*_rgb.bsdf "$data"/measured/*_rgb.bsdf || status=$?
+"$python" "$script" "$example" "$root"/data-fixtures/*_rgb.bsdf "$data"/measured/*_rgb.bsdf || status=$?
 measured_files "$work/merl"
 "$brdfit" fit --quiet "$work/merl" -o "$work/of_merl" --sample-position centre
 "$brdfit" fit --quiet "$data/measured" -o "$work/of_bsdf"

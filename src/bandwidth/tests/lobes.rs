@@ -212,7 +212,7 @@ fn channels_are_apart() {
 
 #[test]
 fn published_mirrors_are_resolved() {
-    let Some(data) = materials::data::folder() else { return };
+    let Some(data) = materials::data::genuine() else { return };
     let i = at_40_degrees();
     for name in ["chrome", "red-metallic-paint", "specular-black-phenolic"] {
         let lobe = lobe(&materials::published(&data, name), &i, true, at_most(1024));

@@ -69,7 +69,7 @@ fn values_are_those_of_the_independent_reader() {
     }
     let vectors: Vectors = serde_json::from_slice(&std::fs::read(fixture("rgl.json")).unwrap()).unwrap();
     assert_eq!(vectors.files.len(), 7);
-    let data = data::folder();
+    let data = data::genuine();
     let places = |name: &str| [Some(fixture(name)), data.as_ref().map(|folder| folder.join("measured").join(name))];
     for File { name, sha256, rows } in vectors.files {
         let Some(path) = places(&name).into_iter().flatten().find(|path| path.exists()) else { continue };
@@ -293,7 +293,7 @@ fn the_summary_says_what_is_in_the_file() {
 /// The six measured materials are not reciprocal: from 1 % for paper to tens of percent for colour-shifting films.
 #[test]
 fn measured_files_are_not_reciprocal() {
-    let Some(data) = data::folder() else { return };
+    let Some(data) = data::genuine() else { return };
     let name = |word: &str| data.join("measured").join(format!("{word}_rgb.bsdf"));
     let of = |word: &str| summary(&name(word)).non_reciprocity;
     let found =
@@ -305,7 +305,7 @@ fn measured_files_are_not_reciprocal() {
 /// The `.binary` files of the test data were resampled from the `.bsdf` files by another program and rounded to 13 bits.
 #[test]
 fn cells_are_those_of_the_resampled_files() {
-    let Some(data) = data::folder() else { return };
+    let Some(data) = data::genuine() else { return };
     for path in data::measured(&data) {
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         let open = |path: &Path, position| brdfit_measured::open(path, position).unwrap();
