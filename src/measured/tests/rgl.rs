@@ -321,7 +321,7 @@ fn cells_are_those_of_the_resampled_files() {
         let [median, most, all] =
             [500, 999, 1000].map(|share| errors[(errors.len() * share / 1000).min(errors.len() - 1)]);
         println!("{name}: against the resampled file: median {median:.1e}, 99.9 % {most:.1e}, largest {all:.1e}");
-        // the largest lie where both directions graze
-        assert!(median < 4e-5 && most < 1e-4 && all < 0.1, "{name}: {median} {most} {all}");
+        // the largest lie beside the narrowest peaks and where both directions graze
+        assert!(median < 4e-5 && most < 1e-3 && all < 0.1, "{name}: {median} {most} {all}");
     }
 }
