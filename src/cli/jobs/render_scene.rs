@@ -96,7 +96,7 @@ impl OpenedMaterial {
         info!(material = member, "no atlas is named; one is computed");
         let (channels, options) = (AtlasChannels::Max, LobeOptions::default());
         let grid: &LobeGrid = grid;
-        let (atlas, _) = in_pool(|| compute_atlas(brdf.as_ref(), true, Layout::Isotropic, channels, grid, &options))
+        let (atlas, _) = in_pool(|| compute_atlas(brdf.as_ref(), Layout::Isotropic, channels, grid, &options))
             .map_err(|error| Problem::computation(format!("{member}: {error}")))?;
         Ok(LoadedMaterial { brdf, atlas: atlas.rounded_up() })
     }
@@ -130,10 +130,10 @@ fn brdf(source: &MaterialSource, folders: &Folders<'_>) -> anyhow::Result<Box<dy
         }
         MaterialSource::Fit(file) => (MaterialInput::Fit(folders.input(file)?), Reading::default()),
         MaterialSource::Measured { file, sample_position } => {
-            let sample_position = match sample_position {
+            let sample_position = sample_position.map(|location| match location {
                 SampleLocation::Edge => SamplePosition::Edge,
                 SampleLocation::Centre => SamplePosition::Centre,
-            };
+            });
             (MaterialInput::Measured(folders.input(file)?), Reading { sample_position, ..Reading::default() })
         }
     };

@@ -39,8 +39,7 @@ impl Prepared {
         let brdf = gold();
         let options = LobeOptions::default();
         let grid = LobeGrid::default();
-        let (atlas, _) =
-            compute_atlas(&brdf, true, Layout::Isotropic, AtlasChannels::Max, &grid, &options).expect("finite");
+        let (atlas, _) = compute_atlas(&brdf, Layout::Isotropic, AtlasChannels::Max, &grid, &options).expect("finite");
         Self { gbuffer: scene.gbuffer(), scene, light: Procedural::Sky.light(Light::SIZE), brdf, atlas }
     }
 }

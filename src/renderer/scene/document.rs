@@ -98,9 +98,10 @@ pub enum MaterialSource {
     Measured {
         /// A file in the MERL format.
         file: String,
-        /// Where inside its cell a tabulated value lies.
-        #[serde(default)]
-        sample_position: SampleLocation,
+        /// Where inside its cell a tabulated value lies; left out: as the format has it, `edge` for MERL files.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "SampleLocation")]
+        sample_position: Option<SampleLocation>,
     },
     /// A material that the program carries with it, by its name.
     Embedded(String),
@@ -119,11 +120,10 @@ pub enum MaterialSource {
 }
 
 /// Where inside its cell a tabulated value of a measurement lies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SampleLocation {
     /// At the lower edge of the cell.
-    #[default]
     Edge,
     /// At the middle of the cell.
     Centre,

@@ -28,7 +28,7 @@ fn gbuffer(scene: &str) -> GBuffer {
 
 fn atlas(brdf: &dyn Brdf) -> Atlas {
     let options = LobeOptions { max_resolution: 256, ..LobeOptions::default() };
-    compute_atlas(brdf, true, Layout::Isotropic, AtlasChannels::Max, &LobeGrid::default(), &options).unwrap().0
+    compute_atlas(brdf, Layout::Isotropic, AtlasChannels::Max, &LobeGrid::default(), &options).unwrap().0
 }
 
 /// Of a material that reflects the same everywhere.
