@@ -10,7 +10,7 @@ use crate::lights::light_level::LightLevel;
 use rayon::prelude::*;
 
 /// Luminance of linear RGB with the primaries of Rec. 709.
-pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+pub(crate) const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Radiance above this, in any channel, is refused: sums and squares of it must stay finite.
 pub const LARGEST_RADIANCE: f32 = 1e14;
@@ -76,11 +76,6 @@ impl Light {
     /// Texels along a side of level 0.
     pub fn size(&self) -> usize {
         self.levels[0].size()
-    }
-
-    /// Number of mip levels, down to 1 x 1.
-    pub fn levels(&self) -> usize {
-        self.levels.len()
     }
 
     /// The radiance in a texel of a level.
