@@ -5,7 +5,7 @@
 //! on dynamic geometry using frequency analysis", 2013). Equations and decisions: docs/theory.md, section 11; measured gains:
 //! docs/performance.md.
 //!
-//! [`Scene`] makes a [`GBuffer`] from a [`SceneDocument`]; a [`Light`] is an octahedral image with its [`LightBandwidth`]; a [`Material`] is
+//! [`Scene`] makes a [`GBuffer`] from a [`SceneDocument`]; a [`LightSet`] holds an octahedral [`Light`] or none and any number of near lights; a [`Material`] is
 //! a [`brdfit_brdf::Brdf`] with its [`brdfit_bandwidth::Atlas`]. [`Renderer::render`] runs the passes over a [`View`] of these and keeps
 //! their buffers, which [`Renderer::add_to`] turns into layers of a [`Film`].
 //!
@@ -13,7 +13,7 @@
 //! use brdfit_bandwidth::{Atlas, AtlasChannels, Layout, SIZE};
 //! use brdfit_brdf::Lambert;
 //! use brdfit_renderer::{
-//!     Differentials, LightBandwidth, Material, Procedural, RenderOptions, Renderer, Scene, SceneDocument, View,
+//!     Differentials, LightSet, Material, Procedural, RenderOptions, Renderer, Scene, SceneDocument, View,
 //! };
 //!
 //! let document = SceneDocument::read(br#"{
@@ -25,8 +25,7 @@
 //! let gbuffer = Scene::load(&document, std::path::Path::new("."))?.gbuffer();
 //! let mut differentials = Differentials::default();
 //! differentials.compute(&gbuffer);
-//! let light = Procedural::Sky.light(64);
-//! let light_bandwidth = LightBandwidth::new(&light);
+//! let lights = LightSet::from(Procedural::Sky.light(64));
 //! // a diffuse material has no bandwidth of its own
 //! let atlas = Atlas::from_level0(Layout::Isotropic, AtlasChannels::Max, vec![0.0; SIZE * SIZE])?;
 //! let chalk = Lambert { albedo: [0.7; 3] };
@@ -35,8 +34,7 @@
 //!     gbuffer: &gbuffer,
 //!     differentials: &differentials,
 //!     materials: &materials,
-//!     light: &light,
-//!     light_bandwidth: &light_bandwidth,
+//!     lights: &lights,
 //! };
 //! let (image, statistics) = Renderer::default().render(&view, &RenderOptions::default());
 //! assert_eq!(image.len(), 32 * 32);
@@ -45,6 +43,9 @@
 //! ```
 #![forbid(unsafe_code)]
 
+#[cfg(test)]
+#[path = "tests/checks/chi_square.rs"]
+mod chi_square;
 mod frame;
 mod geometry;
 mod images;
@@ -69,6 +70,7 @@ pub use images::metrics::{psnr, relmse};
 pub use lights::bandwidth::LightBandwidth;
 pub use lights::environment_map::LatLong;
 pub use lights::error::LightError;
+pub use lights::light_set::{LightSet, NearLight};
 pub use lights::octahedral_light::{LARGEST_RADIANCE, LUMINANCE, Light};
 pub use lights::procedural::Procedural;
 pub use passes::allocation::{Allocation, Budget, SAMPLES};

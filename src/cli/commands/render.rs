@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use brdfit_renderer::{
-    BACKGROUND, Differentials, Exposure, FrameStatistics, GBuffer, Light, LightBandwidth, Material, Mode,
-    RenderOptions, Renderer, Times, View, flip, luminance, psnr, relmse,
+    BACKGROUND, Differentials, Exposure, FrameStatistics, GBuffer, LightSet, Material, Mode, RenderOptions, Renderer,
+    Times, View, flip, luminance, psnr, relmse,
 };
 use clap::ValueEnum;
 
@@ -19,11 +19,16 @@ use crate::jobs::render_stats::{OptionsEntry, QualityEntry, RenderDocument, Scen
 use crate::results::json;
 use crate::results::output;
 use crate::terminal::console::Console;
-use crate::terminal::exit_code::Outcome;
+use crate::terminal::exit_code::{Outcome, Problem};
 
 pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<Outcome> {
     let plan = RenderPlan::new(args)?;
     let loaded = LoadedScene::open(&plan.scene, plan.materials.as_deref())?;
+    if plan.files.light_map.is_some() && loaded.lights.environment().is_none() {
+        let scene = plan.scene.display();
+        let why = "lights: --light-map needs an environment or procedural light among them";
+        return Err(Problem::invalid(format!("{scene}: {why}")).into());
+    }
     let camera = loaded.scene.camera();
     let size = [camera.width, camera.height];
     let reference = plan.reference.as_deref().map(|path| read_image(path, size)).transpose()?;
@@ -36,8 +41,8 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<Outcom
     if let (Some(reference), Some(path)) = (&reference, &plan.reference) {
         document.quality = Some(quality(&frame, reference, exposure, file_name(path)));
     }
-    let image = frame.image(&loaded.light, plan.background);
-    render_files::write(&plan, &Rendered { frame: &frame, image: &image, exposure, light: &loaded.light })?;
+    let image = frame.image(&loaded.lights, plan.background);
+    render_files::write(&plan, &Rendered { frame: &frame, image: &image, exposure, lights: &loaded.lights })?;
     if let Some(path) = &plan.files.stats {
         output::deliver(Some(path), &json::to_vec(&document))?;
     }
@@ -49,7 +54,6 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<Outcom
 pub(crate) struct Frame {
     pub(crate) gbuffer: GBuffer,
     pub(crate) differentials: Differentials,
-    pub(crate) light_bandwidth: LightBandwidth,
     pub(crate) renderer: Renderer,
     /// Outgoing radiance, black in the background.
     pub(crate) radiance: Vec<[f32; 3]>,
@@ -67,17 +71,10 @@ impl Frame {
         let mut differentials = Differentials::default();
         differentials.compute(&gbuffer);
         let seen = start.elapsed();
-        let light_bandwidth = LightBandwidth::new(&loaded.light);
-        let prepared = start.elapsed() - seen;
         let materials: Vec<Material<'_>> =
             loaded.materials.iter().map(|material| Material::new(material.brdf.as_ref(), &material.atlas)).collect();
-        let view = View {
-            gbuffer: &gbuffer,
-            differentials: &differentials,
-            materials: &materials,
-            light: &loaded.light,
-            light_bandwidth: &light_bandwidth,
-        };
+        let view =
+            View { gbuffer: &gbuffer, differentials: &differentials, materials: &materials, lights: &loaded.lights };
         let mut renderer = Renderer::default();
         let mut times: Vec<Times> = Vec::new();
         let mut mean = MeanFrame::default();
@@ -91,9 +88,9 @@ impl Frame {
             }
             mean.add(radiance, &renderer);
         }
-        let times = TimesEntry::new(seen, prepared, &times);
+        let times = TimesEntry::new(seen, loaded.light_bandwidth, &times);
         let (radiance, variance) = mean.finish();
-        Self { gbuffer, differentials, light_bandwidth, renderer, radiance, variance, statistics, times }
+        Self { gbuffer, differentials, renderer, radiance, variance, statistics, times }
     }
 
     /// What suits the image, or a reference that it is compared with.
@@ -101,14 +98,14 @@ impl Frame {
         Exposure::of(reference.unwrap_or(&self.radiance), &self.gbuffer.foreground())
     }
 
-    /// The image with what is behind the surfaces.
-    pub(crate) fn image(&self, light: &Light, background: BackgroundArg) -> Vec<[f32; 3]> {
+    /// The image with the lights that the camera sees, and behind all of them the environment.
+    pub(crate) fn image(&self, lights: &LightSet, background: BackgroundArg) -> Vec<[f32; 3]> {
+        let gbuffer = &self.gbuffer;
         let mut image = self.radiance.clone();
-        if background == BackgroundArg::Light {
-            for (pixel, radiance) in image.iter_mut().enumerate() {
-                if self.gbuffer.material[pixel] == BACKGROUND {
-                    *radiance = light.radiance(-self.gbuffer.view[pixel]);
-                }
+        for (pixel, radiance) in image.iter_mut().enumerate() {
+            if gbuffer.material[pixel] == BACKGROUND {
+                let seen = lights.seen(gbuffer.eye, -gbuffer.view[pixel], background == BackgroundArg::Light);
+                *radiance = seen.unwrap_or_default();
             }
         }
         image

@@ -4,7 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use brdfit_renderer::{
-    COARSEST_LEVEL, Exposure, Film, FilmError, LatLong, Light, Panel, Radiance, shown, side_by_side, to_png,
+    COARSEST_LEVEL, Exposure, Film, FilmError, LatLong, Light, LightBandwidth, LightSet, Panel, Radiance, shown,
+    side_by_side, to_png,
 };
 
 use crate::commands::render::Frame;
@@ -21,7 +22,7 @@ pub(crate) struct Rendered<'a> {
     /// With its background.
     pub(crate) image: &'a [[f32; 3]],
     pub(crate) exposure: Exposure,
-    pub(crate) light: &'a Light,
+    pub(crate) lights: &'a LightSet,
 }
 
 /// Writes all files of the plan but the statistics.
@@ -29,12 +30,12 @@ pub(crate) struct Rendered<'a> {
 /// # Errors
 /// What the operating system reports.
 pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Problem> {
-    let Rendered { frame, image, exposure, light } = rendered;
+    let Rendered { frame, image, exposure, lights } = rendered;
     let gbuffer = &frame.gbuffer;
     let files = &plan.files;
     let mut film = Film::new(gbuffer.width, gbuffer.height).radiance(image);
     for &pass in &plan.passes {
-        film = frame.renderer.add_to(film, pass, gbuffer, &frame.differentials, &frame.light_bandwidth);
+        film = frame.renderer.add_to(film, pass, gbuffer, &frame.differentials, lights);
     }
     if let Some(variance) = &frame.variance {
         film = film.scalar("variance", variance.iter().copied());
@@ -47,7 +48,9 @@ pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Pr
         write_map(path, "", rendered)?;
     }
     if let Some(path) = &files.light_map {
-        encoded(path, light_map(light, frame))?;
+        if let Some((light, bandwidth)) = lights.environment() {
+            encoded(path, light_map(light, bandwidth))?;
+        }
     }
     Ok(())
 }
@@ -76,12 +79,12 @@ fn encoded(path: &Path, bytes: Result<Vec<u8>, FilmError>) -> Result<(), Problem
 }
 
 /// The light by latitude and longitude, with a layer of its bandwidth.
-fn light_map(light: &Light, frame: &Frame) -> Result<Vec<u8>, FilmError> {
+fn light_map(light: &Light, bandwidth: &LightBandwidth) -> Result<Vec<u8>, FilmError> {
     let [width, height] = LIGHT_MAP;
     let map = light.to_lat_long(width, height);
     let bandwidth = (0..width * height).map(|pixel| {
         let place = [(pixel % width) as f32 + 0.5, (pixel / width) as f32 + 0.5];
-        let bandwidth = frame.light_bandwidth.at(LatLong::direction(place, [width, height]));
+        let bandwidth = bandwidth.at(LatLong::direction(place, [width, height]));
         if bandwidth.is_finite() { bandwidth } else { -1.0 }
     });
     Film::new(width, height).radiance(map.pixels()).scalar("bandwidth", bandwidth).to_exr()

@@ -7,8 +7,8 @@ use std::path::Path;
 use brdfit_bandwidth::{Atlas, AtlasChannels, Layout, LobeGrid, LobeOptions, compute_atlas};
 use brdfit_brdf::{SgdMaterial, SgdParameters};
 use brdfit_renderer::{
-    Budget, Differentials, GBuffer, Light, LightBandwidth, Material, Mode, Procedural, RenderOptions, Renderer, Scene,
-    SceneDocument, View,
+    Budget, Differentials, GBuffer, Light, LightBandwidth, LightSet, Material, Mode, Procedural, RenderOptions,
+    Renderer, Scene, SceneDocument, View,
 };
 use criterion::{Criterion, criterion_group, criterion_main};
 
@@ -57,15 +57,10 @@ fn frames(c: &mut Criterion) {
     let prepared = Prepared::new();
     let mut differentials = Differentials::default();
     differentials.compute(&prepared.gbuffer);
-    let light_bandwidth = LightBandwidth::new(&prepared.light);
+    let lights = LightSet::from(prepared.light.clone());
     let materials = [Material::new(&prepared.brdf, &prepared.atlas)];
-    let view = View {
-        gbuffer: &prepared.gbuffer,
-        differentials: &differentials,
-        materials: &materials,
-        light: &prepared.light,
-        light_bandwidth: &light_bandwidth,
-    };
+    let view =
+        View { gbuffer: &prepared.gbuffer, differentials: &differentials, materials: &materials, lights: &lights };
     let mut group = c.benchmark_group("frame");
     group.sample_size(20);
     let cases = [

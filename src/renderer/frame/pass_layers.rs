@@ -4,7 +4,7 @@ use crate::frame::renderer::Renderer;
 use crate::geometry::differentials::Differentials;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
 use crate::images::film::Film;
-use crate::lights::bandwidth::LightBandwidth;
+use crate::lights::light_set::LightSet;
 use crate::passes::decision::{DecisionLevel, State};
 use crate::passes::image_bandwidth::COARSEST_LEVEL;
 use crate::passes::pilot::Prediction;
@@ -46,7 +46,7 @@ impl Renderer {
         pass: Pass,
         gbuffer: &GBuffer,
         differentials: &Differentials,
-        light_bandwidth: &LightBandwidth,
+        lights: &LightSet,
     ) -> Film {
         let pixels = 0..gbuffer.material.len();
         let predicted = self.pilot.of_pixel.len() == pixels.len();
@@ -60,7 +60,8 @@ impl Renderer {
                 "light",
                 ["NU"],
                 pixels.map(|pixel| {
-                    let bandwidth = light_bandwidth.at(gbuffer.mirror_direction(pixel));
+                    let mirror = gbuffer.mirror_direction(pixel);
+                    let bandwidth = lights.bandwidth(gbuffer.position[pixel], mirror);
                     let shown = if bandwidth.is_finite() { bandwidth } else { -1.0 };
                     [if gbuffer.material[pixel] == BACKGROUND { 0.0 } else { shown }]
                 }),
@@ -69,7 +70,7 @@ impl Renderer {
                 "pilot",
                 ["MEAN", "VARIANCE", "NU", "EQ9"],
                 pixels.map(|pixel| {
-                    let Prediction { bandwidth, mean, variance, printed } =
+                    let Prediction { bandwidth, mean, variance, printed, .. } =
                         self.pilot.at(pixel).copied().unwrap_or_default();
                     [mean, variance, bandwidth, printed]
                 }),

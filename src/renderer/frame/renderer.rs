@@ -7,8 +7,7 @@ use wide::f32x4;
 
 use crate::geometry::differentials::Differentials;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
-use crate::lights::bandwidth::LightBandwidth;
-use crate::lights::octahedral_light::Light;
+use crate::lights::light_set::LightSet;
 use crate::passes::allocation::{self, Allocation, Budget, CellPrediction, allocate, dark};
 use crate::passes::decision::Decisions;
 use crate::passes::image_bandwidth::{BandwidthBuffer, COARSEST_LEVEL, Geometry};
@@ -93,10 +92,8 @@ pub struct View<'a> {
     pub differentials: &'a Differentials,
     /// The materials that the G-buffer counts.
     pub materials: &'a [Material<'a>],
-    /// The light.
-    pub light: &'a Light,
-    /// Its bandwidth.
-    pub light_bandwidth: &'a LightBandwidth,
+    /// The lights.
+    pub lights: &'a LightSet,
 }
 
 /// Wall time of each pass.
@@ -188,7 +185,7 @@ impl Renderer {
         }
         if predicts {
             timed(&mut times.pilot, || {
-                self.pilot.compute(gbuffer, view.materials, view.light, view.light_bandwidth, &pilot_options);
+                self.pilot.compute(gbuffer, view.materials, view.lights, &pilot_options);
             });
         }
         if divides {
@@ -210,7 +207,7 @@ impl Renderer {
             self.count(gbuffer, options, foreground);
         });
         timed(&mut times.shading, || {
-            let shade = Shade { gbuffer, materials: view.materials, light: view.light, seed: options.seed };
+            let shade = Shade { gbuffer, materials: view.materials, lights: view.lights, seed: options.seed };
             shade.shade(&self.list, &mut self.radiance);
         });
         timed(&mut times.interpolation, || {
@@ -223,7 +220,7 @@ impl Renderer {
         let statistics = FrameStatistics {
             times,
             foreground: foreground as u64,
-            pilot_samples: if predicts { self.pilot.samples(&pilot_options) } else { 0 },
+            pilot_samples: if predicts { self.pilot.samples() } else { 0 },
             shading_samples: self.list.samples(),
             shaded,
             filtered: self.list.points.iter().filter(|point| point.filtered).count() as u64,

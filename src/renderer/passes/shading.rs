@@ -7,10 +7,9 @@ use wide::f32x4;
 
 use crate::Vec3;
 use crate::geometry::gbuffer::GBuffer;
-use crate::geometry::sobol::seed;
-use crate::lights::octahedral_light::Light;
+use crate::lights::light_set::{LightSet, LookUp};
 use crate::passes::decision::Decisions;
-use crate::passes::direct_lighting::{Batch, LANES, LookUp, Place, Request, Technique};
+use crate::passes::direct_lighting::{Batch, Gathering, LANES, Place, Request, Stage};
 use crate::passes::material::Material;
 use crate::passes::pyramid::{Cells, central_pixels};
 
@@ -86,7 +85,7 @@ impl ShadingList {
 pub(crate) struct Shade<'a> {
     pub(crate) gbuffer: &'a GBuffer,
     pub(crate) materials: &'a [Material<'a>],
-    pub(crate) light: &'a Light,
+    pub(crate) lights: &'a LightSet,
     pub(crate) seed: u32,
 }
 
@@ -122,17 +121,36 @@ impl Shade<'_> {
         jobs
     }
 
-    /// Where a point gathers light, and the pixel that its seeds come from: that to the lower right of the cell's centre.
-    fn place(&self, point: &ShadingPoint) -> (Place, usize) {
+    /// Where a point gathers light: at its pixel, or at the mean of the four around the centre of its cell. The sequences of points
+    /// are those of the pixel to the lower right of the centre.
+    fn place(&self, point: &ShadingPoint) -> Place {
         let (k, gbuffer) = (usize::from(point.level), self.gbuffer);
         let (column, row) = (usize::from(point.column), usize::from(point.row));
+        let of_pixel = |pixel: usize| [(pixel % gbuffer.width) as u32, (pixel / gbuffer.width) as u32];
         if k == 0 {
-            let pixel = row * gbuffer.width + column;
-            return (Place { normal: gbuffer.normal[pixel], view: gbuffer.view[pixel] }, pixel);
+            let n = row * gbuffer.width + column;
+            let (position, normal, view) = (gbuffer.position[n], gbuffer.normal[n], gbuffer.view[n]);
+            return Place { position, normal, view, pixel: of_pixel(n) };
         }
         let four = central_pixels(gbuffer, k, column, row).expect("only coherent cells are shaded");
-        let mean = |vectors: &[Vec3]| four.iter().fold(Vec3::zeros(), |sum, &pixel| sum + vectors[pixel]).normalize();
-        (Place { normal: mean(&gbuffer.normal), view: mean(&gbuffer.view) }, four[3])
+        let sum = |vectors: &[Vec3]| four.iter().fold(Vec3::zeros(), |sum, &pixel| sum + vectors[pixel]);
+        Place {
+            position: 0.25 * sum(&gbuffer.position),
+            normal: sum(&gbuffer.normal).normalize(),
+            view: sum(&gbuffer.view).normalize(),
+            pixel: of_pixel(four[3]),
+        }
+    }
+
+    fn gathering(&self, material: u16, look_up: LookUp) -> Gathering<'_> {
+        Gathering {
+            shading: self.materials[usize::from(material)].shading.as_ref(),
+            lights: self.lights,
+            look_up,
+            stage: Stage::Shading,
+            seed: self.seed,
+            least_per_light: 0,
+        }
     }
 }
 
@@ -147,35 +165,38 @@ struct Job {
 
 impl Job {
     fn run(&mut self, shade: &Shade<'_>, points: &[ShadingPoint], radiance: &mut [f32x4]) {
+        let Some(first) = points.first() else { return };
         for look_up in [LookUp::Exact, LookUp::Filtered] {
+            let with = shade.gathering(first.material, look_up);
             let mut lanes = 0;
             for (n, point) in points.iter().enumerate() {
                 if point.filtered != (look_up == LookUp::Filtered) {
                     continue;
                 }
                 let mut taken = 0;
-                let whole = request(shade, point);
+                let place = shade.place(point);
                 while taken < point.samples {
                     let until = point.samples.min(taken + (LANES - lanes) as u32);
-                    self.requests.push(part(&whole, taken..until));
+                    self.requests.push(Request { place, samples: point.samples, taken: taken..until });
                     self.of.push(n);
                     lanes += (until - taken) as usize;
                     taken = until;
                     if lanes == LANES {
-                        self.flush(shade, points, look_up, radiance);
+                        self.flush(&with, radiance);
                         lanes = 0;
                     }
                 }
             }
-            self.flush(shade, points, look_up, radiance);
+            self.flush(&with, radiance);
         }
     }
 
     /// Takes the samples that have been requested and adds them to their points.
-    fn flush(&mut self, shade: &Shade<'_>, points: &[ShadingPoint], look_up: LookUp, radiance: &mut [f32x4]) {
-        let Some(&first) = self.of.first() else { return };
-        let material = &shade.materials[usize::from(points[first].material)];
-        self.batch.gather(material.shading.as_ref(), shade.light, look_up, &self.requests);
+    fn flush(&mut self, with: &Gathering<'_>, radiance: &mut [f32x4]) {
+        if self.requests.is_empty() {
+            return;
+        }
+        self.batch.gather(with, &self.requests);
         for (n, &point) in self.of.iter().enumerate() {
             let [r, g, b] = self.batch.sum(n);
             radiance[point] += f32x4::from([r, g, b, 0.0]);
@@ -183,27 +204,4 @@ impl Job {
         self.requests.clear();
         self.of.clear();
     }
-}
-
-/// All samples of a point.
-fn request(shade: &Shade<'_>, point: &ShadingPoint) -> Request {
-    let (place, pixel) = shade.place(point);
-    let (x, y) = ((pixel % shade.gbuffer.width) as u32, (pixel / shade.gbuffer.width) as u32);
-    let seed = |technique: Technique| seed([x, y], technique as u32, shade.seed);
-    let n = point.samples;
-    let counts = if point.filtered { [n, 0] } else { [n.div_ceil(2), n / 2] };
-    Request {
-        place,
-        seeds: [seed(Technique::Brdf), seed(Technique::Light)],
-        counts,
-        taken: counts.map(|count| 0..count),
-    }
-}
-
-/// Some of the samples of a point, counted through both techniques.
-fn part(whole: &Request, range: Range<u32>) -> Request {
-    let first = whole.counts[0];
-    let of_brdf = range.start.min(first)..range.end.min(first);
-    let of_light = range.start.max(first) - first..range.end.max(first) - first;
-    Request { taken: [of_brdf, of_light], ..whole.clone() }
 }

@@ -3,8 +3,8 @@
 use brdfit_bandwidth::{Atlas, AtlasChannels, Layout, LobeGrid, LobeOptions, SIZE, compute_atlas};
 use brdfit_brdf::{Brdf, GgxBrdf, Lambert, SgdMaterial, SgdParameters};
 use brdfit_renderer::{
-    BACKGROUND, Budget, Differentials, FrameStatistics, GBuffer, Geometry, Light, LightBandwidth, Material, Mode,
-    Prefilter, Procedural, RenderOptions, Renderer, Scene, SceneDocument, Upsampling, View,
+    BACKGROUND, Budget, Differentials, FrameStatistics, GBuffer, Geometry, Light, LightSet, Material, Mode, Prefilter,
+    Procedural, RenderOptions, Renderer, Scene, SceneDocument, Upsampling, View,
 };
 
 /// A sphere on a plane with a chequerboard, two materials.
@@ -49,10 +49,10 @@ fn render(
 ) -> (Vec<[f32; 3]>, FrameStatistics) {
     let mut differentials = Differentials::default();
     differentials.compute(gbuffer);
-    let light_bandwidth = LightBandwidth::new(light);
+    let lights = &LightSet::from(light.clone());
     let materials: Vec<Material<'_>> = materials.iter().map(|&(brdf, atlas)| Material::new(brdf, atlas)).collect();
-    let (differentials, light_bandwidth, materials) = (&differentials, &light_bandwidth, &materials[..]);
-    Renderer::default().render(&View { gbuffer, differentials, materials, light, light_bandwidth }, options)
+    let (differentials, materials) = (&differentials, &materials[..]);
+    Renderer::default().render(&View { gbuffer, differentials, materials, lights }, options)
 }
 
 #[test]
@@ -156,15 +156,9 @@ fn operators_agree_with_the_mirror_direction_at_the_centre_of_a_sphere() {
     let bandwidth = |geometry| {
         let mut differentials = Differentials::default();
         differentials.compute(&gbuffer);
-        let light_bandwidth = LightBandwidth::new(&light);
+        let lights = LightSet::from(light.clone());
         let materials = [Material::new(&paint, &sharp), Material::new(&paint, &sharp)];
-        let view = View {
-            gbuffer: &gbuffer,
-            differentials: &differentials,
-            materials: &materials,
-            light: &light,
-            light_bandwidth: &light_bandwidth,
-        };
+        let view = View { gbuffer: &gbuffer, differentials: &differentials, materials: &materials, lights: &lights };
         let mut renderer = Renderer::default();
         renderer.render(&view, &RenderOptions { geometry, ..RenderOptions::default() });
         renderer.bandwidth_buffer.bandwidth[48 * 97 + 48]
