@@ -127,3 +127,55 @@ impl LightSet {
 fn slices(lanes: &[[f32; 1]; 3]) -> [&[f32]; 3] {
     lanes.each_ref().map(|lane| lane.as_slice())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lights::document::LightDocument;
+
+    fn lamps(count: usize) -> Vec<NearLight> {
+        let json = r#"{"rect": {"corner": [0, 0, 1], "edges": [[1, 0, 0], [0, 1, 0]], "radiance": [1, 1, 1]}}"#;
+        let document: LightDocument = serde_json::from_str(json).unwrap();
+        (0..count).map(|_| document.near().unwrap()).collect()
+    }
+
+    fn sky() -> Light {
+        Light::from_fn(16, |_| [1.0; 3]).unwrap()
+    }
+
+    fn counts(lights: &LightSet, total: u32, look_up: LookUp, least_per_light: u32) -> Vec<u32> {
+        let samples = Samples { total, look_up, least_per_light };
+        let counts: Vec<u32> = (0..lights.techniques()).map(|technique| lights.count(technique, samples)).collect();
+        assert_eq!(counts.iter().sum::<u32>(), lights.total(samples));
+        counts
+    }
+
+    #[test]
+    fn half_goes_to_the_brdf_and_the_lights_share_the_rest() {
+        let alone = LightSet::from(sky());
+        for (total, exact) in [(1, [1, 0]), (4, [2, 2]), (7, [4, 3]), (16, [8, 8])] {
+            assert_eq!(counts(&alone, total, LookUp::Exact, 0), exact);
+            assert_eq!(counts(&alone, total, LookUp::Filtered, 0), [total, 0]);
+        }
+        let three = LightSet::new(Some(sky()), lamps(2));
+        assert_eq!(counts(&three, 16, LookUp::Exact, 0), [8, 3, 3, 2]);
+        assert_eq!(counts(&three, 5, LookUp::Exact, 0), [3, 1, 1, 0]);
+        // the environment leaves its share to the BRDF, the lamps keep theirs
+        assert_eq!(counts(&three, 16, LookUp::Filtered, 0), [11, 0, 3, 2]);
+        // without averages there is nothing to look up otherwise
+        let lamps_alone = LightSet::new(None, lamps(2));
+        assert_eq!(counts(&lamps_alone, 9, LookUp::Filtered, 0), counts(&lamps_alone, 9, LookUp::Exact, 0));
+        assert_eq!(counts(&LightSet::default(), 9, LookUp::Exact, 0), [9]);
+    }
+
+    #[test]
+    fn the_pilot_knows_a_variance_of_every_light() {
+        let many = LightSet::new(Some(sky()), lamps(9));
+        assert!(counts(&many, 16, LookUp::Exact, 2).iter().all(|&count| count >= 2));
+        // with one light the least is what there is anyway
+        let alone = LightSet::from(sky());
+        for total in 4..40 {
+            assert_eq!(counts(&alone, total, LookUp::Exact, 2), counts(&alone, total, LookUp::Exact, 0));
+        }
+    }
+}

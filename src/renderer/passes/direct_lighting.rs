@@ -418,3 +418,17 @@ fn part(arrays: &[Vec<f32>; 3], range: Range<usize>) -> [&[f32]; 3] {
 fn part_mut(arrays: &mut [Vec<f32>; 3], range: Range<usize>) -> [&mut [f32]; 3] {
     arrays.each_mut().map(|array| &mut array[range.clone()])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn techniques_have_sequences_of_their_own() {
+        let mut sequences: Vec<u32> =
+            [Stage::Shading, Stage::Pilot].into_iter().flat_map(|s| (0..50).map(move |k| s.sequence(k))).collect();
+        sequences.sort_unstable();
+        sequences.dedup();
+        assert_eq!(sequences.len(), 100);
+    }
+}
