@@ -5,12 +5,12 @@
 //! on dynamic geometry using frequency analysis", 2013). Equations and decisions: docs/theory.md, section 11; measured gains:
 //! docs/performance.md.
 //!
-//! [`Scene`] makes a [`GBuffer`] from a [`SceneDocument`]; with the [`Material`]s that it counts and a [`Light`] it becomes a
-//! [`FrameInput`]; a [`Backend`] renders that, and gives the buffers of its passes as [`Layer`]s of a [`Film`].
+//! [`Scene`] makes a [`GBuffer`] from a [`SceneDocument`]; with the [`Material`]s that it counts and a [`LightSet`], an octahedral
+//! [`Light`] or none and any number of near lights, it becomes a [`FrameInput`]; a [`Backend`] renders that, and gives the buffers of its passes as [`Layer`]s of a [`Film`].
 //!
 //! ```
 //! use brdfit_brdf::Lambert;
-//! use brdfit_renderer::{Backend, Cpu, FrameInput, Material, Procedural, RenderOptions, Scene, SceneDocument};
+//! use brdfit_renderer::{Backend, Cpu, FrameInput, LightSet, Material, Procedural, RenderOptions, Scene, SceneDocument};
 //!
 //! let document = SceneDocument::read(br#"{
 //!     "camera": {"eye": [4, 0, 0], "target": [0, 0, 0], "vertical_fov": 40, "width": 32, "height": 32},
@@ -19,8 +19,8 @@
 //!     "objects": [{"mesh": {"sphere": {}}, "material": "chalk"}]
 //! }"#)?;
 //! let gbuffer = Scene::load(&document, std::path::Path::new("."))?.gbuffer();
-//! let (light, chalk) = (Procedural::Sky.light(64), Lambert { albedo: [0.7; 3] });
-//! let input = FrameInput::new(gbuffer, vec![Material::diffuse(&chalk)], &light)?;
+//! let (lights, chalk) = (LightSet::from(Procedural::Sky.light(64)), Lambert { albedo: [0.7; 3] });
+//! let input = FrameInput::new(gbuffer, vec![Material::diffuse(&chalk)], lights)?;
 //! let frame = Cpu.render(&mut Cpu.prepare(input), &RenderOptions::default())?;
 //! assert_eq!(frame.radiance.len(), 32 * 32);
 //! assert!(frame.statistics.shaded.iter().sum::<u64>() < frame.statistics.foreground);
@@ -28,6 +28,9 @@
 //! ```
 #![forbid(unsafe_code)]
 
+#[cfg(test)]
+#[path = "tests/checks/chi_square.rs"]
+mod chi_square;
 mod frame;
 mod geometry;
 mod images;
@@ -41,13 +44,14 @@ mod test_scenes;
 pub use frame::backend::{Backend, Frame};
 pub use frame::cpu::{Cpu, CpuFrame};
 pub use frame::error::FrameError;
-pub use frame::input::{FrameInput, PreparationTimes};
+pub use frame::input::FrameInput;
 pub use frame::layers::{LayerGroup, finite_or_minus_one};
 pub use frame::options::{Mode, OptionsError, RangedOption, RenderOptions};
 pub use frame::statistics::{FrameStatistics, Times};
 pub use geometry::gbuffer::{BACKGROUND, GBuffer, GBufferError, Surfaces, Viewpoint};
 pub use geometry::octahedral;
 pub use geometry::sobol;
+pub use geometry::vec3::Vec3;
 pub use images::exposure::{Exposure, luminance};
 pub use images::false_colour::{Panel, side_by_side};
 pub use images::film::{Film, FilmError, Radiance, shown, to_png};
@@ -57,6 +61,7 @@ pub use images::metrics::{psnr, relmse};
 pub use lights::bandwidth::LightBandwidth;
 pub use lights::environment_map::LatLong;
 pub use lights::error::LightError;
+pub use lights::light_set::{LightSet, NearLight};
 pub use lights::octahedral_light::{LARGEST_RADIANCE, Light};
 pub use lights::procedural::Procedural;
 pub use passes::allocation::{Allocation, Budget, Prefilter};
@@ -66,5 +71,5 @@ pub use passes::upsampling_stencil::Upsampling;
 pub use scene::{Scene, SceneDocument, SceneError};
 pub use shapes::camera::Camera;
 
-/// Points and directions of the world, single precision.
-pub type Vec3 = nalgebra::Vector3<f32>;
+/// The crate of [`Vec3`].
+pub use nalgebra;

@@ -1,7 +1,7 @@
 //! Surfaces in closed form that tests of passes render.
 
-use crate::Vec3;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer, Surfaces, Viewpoint};
+use crate::geometry::vec3::Vec3;
 
 /// The unit sphere around the origin of material 0, seen along -x from `distance`, filling most of a square image.
 pub(crate) fn sphere(size: usize, distance: f32) -> GBuffer {

@@ -13,11 +13,16 @@ use crate::jobs::render_stats::{RenderDocument, SceneEntry};
 use crate::results::json;
 use crate::results::output;
 use crate::terminal::console::Console;
-use crate::terminal::exit_code::Outcome;
+use crate::terminal::exit_code::{Outcome, Problem};
 
 pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<Outcome> {
     let plan = RenderPlan::new(args)?;
     let loaded = LoadedScene::open(&plan.scene, plan.materials.as_deref())?;
+    if plan.files.light_map.is_some() && loaded.lights.environment().is_none() {
+        let scene = plan.scene.display();
+        let why = "lights: --light-map needs an environment or procedural light among them";
+        return Err(Problem::invalid(format!("{scene}: {why}")).into());
+    }
     let camera = loaded.scene.camera();
     let size = [camera.width, camera.height];
     let reference = plan.reference.as_deref().map(|path| read_image(path, size)).transpose()?;
@@ -29,8 +34,8 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<Outcom
     if let (Some(reference), Some(path)) = (&reference, &plan.reference) {
         document.quality = Some(scene.quality(reference, exposure, file_name(path)));
     }
-    let image = scene.image(&loaded.light, plan.background);
-    render_files::write(&plan, &Rendered { scene: &scene, image: &image, exposure, light: &loaded.light })?;
+    let image = scene.image(plan.background);
+    render_files::write(&plan, &Rendered { scene: &scene, image: &image, exposure })?;
     if let Some(path) = &plan.files.stats {
         output::deliver(Some(path), &json::to_vec(&document))?;
     }

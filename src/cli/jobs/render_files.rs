@@ -22,7 +22,6 @@ pub(crate) struct Rendered<'a> {
     /// With its background.
     pub(crate) image: &'a [[f32; 3]],
     pub(crate) exposure: Exposure,
-    pub(crate) light: &'a Light,
 }
 
 /// Writes all files of the plan but the statistics.
@@ -30,7 +29,7 @@ pub(crate) struct Rendered<'a> {
 /// # Errors
 /// What the operating system reports.
 pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Problem> {
-    let Rendered { scene, image, exposure, light } = rendered;
+    let Rendered { scene, image, exposure } = rendered;
     let [width, height] = scene.gbuffer().size();
     let files = &plan.files;
     let layers = plan.layers.iter().flat_map(|&group| scene.layers(group));
@@ -46,7 +45,9 @@ pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Pr
         write_map(path, "", rendered)?;
     }
     if let Some(path) = &files.light_map {
-        encoded(path, light_map(light, scene.input().light_bandwidth()))?;
+        if let Some((light, bandwidth)) = scene.input().lights().environment() {
+            encoded(path, light_map(light, bandwidth))?;
+        }
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use brdfit_renderer::{
     BACKGROUND, Backend, Cpu, CpuFrame, Exposure, FrameError, FrameInput, FrameStatistics, GBuffer, Layer, LayerGroup,
-    Light, RenderOptions, Times, flip, luminance, psnr, relmse,
+    RenderOptions, Times, flip, luminance, psnr, relmse,
 };
 
 use crate::args::value_enums::BackgroundArg;
@@ -38,10 +38,9 @@ impl<'a> RenderedScene<'a> {
         let failed = |error: FrameError| Problem::computation(error.to_string());
         let start = Instant::now();
         let gbuffer = loaded.scene.gbuffer();
-        let seen = start.elapsed();
         let materials = loaded.materials.iter().map(LoadedMaterial::for_frames).collect();
-        let input = FrameInput::new(gbuffer, materials, &loaded.light).map_err(failed)?;
-        let prepared = input.times();
+        let input = FrameInput::new(gbuffer, materials, loaded.lights.clone()).map_err(failed)?;
+        let seen = start.elapsed();
         let mut frame = Cpu.prepare(input);
         let mut times: Vec<Times> = Vec::new();
         let mut mean = MeanFrame::default();
@@ -56,7 +55,7 @@ impl<'a> RenderedScene<'a> {
             }
             mean.add(&radiance, &Cpu.layers(&frame, LayerGroup::Upsampled));
         }
-        let times = TimesEntry::new(seen + prepared.differentials, prepared.light_bandwidth, &times);
+        let times = TimesEntry::new(seen, loaded.light_bandwidth, &times);
         let (radiance, variance) = mean.finish();
         Ok(Self { frame, radiance, variance, statistics, times })
     }
@@ -81,15 +80,14 @@ impl<'a> RenderedScene<'a> {
         Exposure::of(reference.unwrap_or(&self.radiance), &self.gbuffer().foreground())
     }
 
-    /// The image with what is behind the surfaces.
-    pub(crate) fn image(&self, light: &Light, background: BackgroundArg) -> Vec<[f32; 3]> {
+    /// The image with the lights that the camera sees, and behind all of them the environment.
+    pub(crate) fn image(&self, background: BackgroundArg) -> Vec<[f32; 3]> {
+        let (gbuffer, lights) = (self.gbuffer(), self.input().lights());
         let mut image = self.radiance.clone();
-        if background == BackgroundArg::Light {
-            let (material, view) = (self.gbuffer().material(), self.gbuffer().view());
-            for (pixel, radiance) in image.iter_mut().enumerate() {
-                if material[pixel] == BACKGROUND {
-                    *radiance = light.radiance(-view[pixel]);
-                }
+        for (pixel, radiance) in image.iter_mut().enumerate() {
+            if gbuffer.material()[pixel] == BACKGROUND {
+                let seen = lights.seen(gbuffer.eye(), -gbuffer.view()[pixel], background == BackgroundArg::Light);
+                *radiance = seen.unwrap_or_default();
             }
         }
         image

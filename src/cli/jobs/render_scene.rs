@@ -3,12 +3,13 @@
 use std::cell::LazyCell;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use brdfit_bandwidth::{Atlas, AtlasChannels, AtlasError, Layout, LobeGrid, LobeOptions, compute_atlas, exr, ktx2};
 use brdfit_brdf::{Brdf, GgxBrdf, Lambert};
 use brdfit_measured::SamplePosition;
 use brdfit_renderer::scene::{MaterialSource, SampleLocation, SceneMaterial};
-use brdfit_renderer::{Bandwidth, Light, Material, Scene, SceneDocument, SceneError};
+use brdfit_renderer::{Bandwidth, Light, LightSet, Material, Scene, SceneDocument, SceneError};
 use tracing::info;
 
 use crate::args::embedded_materials;
@@ -21,7 +22,9 @@ use crate::terminal::exit_code::Problem;
 /// A scene, ready to be rendered.
 pub(crate) struct LoadedScene {
     pub(crate) scene: Scene,
-    pub(crate) light: Light,
+    pub(crate) lights: LightSet,
+    /// What the bandwidth of the lights took.
+    pub(crate) light_bandwidth: Duration,
     /// In the order of the G-buffer's indices.
     pub(crate) materials: Vec<LoadedMaterial>,
     pub(crate) sha256: String,
@@ -70,12 +73,15 @@ impl LoadedScene {
             .collect::<anyhow::Result<_>>()?;
         let scene = in_pool(|| Scene::load(&described, folder)).map_err(failed)?;
         info!(triangles = scene.triangle_count(), "surfaces");
-        let light = in_pool(|| described.light.light(folder, Light::SIZE)).map_err(failed)?;
+        let environment = in_pool(|| described.environment(folder, Light::SIZE)).map_err(failed)?;
+        let start = Instant::now();
+        let lights = in_pool(|| LightSet::new(environment, described.near_lights()));
+        let light_bandwidth = start.elapsed();
         // when all files have been read: atlases take their time, and what is wrong should be known before
         let grid: LazyCell<LobeGrid> = LazyCell::new(LobeGrid::default);
         let materials =
             opened.into_iter().map(|(opened, member)| opened.complete(&member, &grid)).collect::<Result<_, _>>()?;
-        Ok(Self { scene, light, materials, sha256: document.sha256() })
+        Ok(Self { scene, lights, light_bandwidth, materials, sha256: document.sha256() })
     }
 }
 

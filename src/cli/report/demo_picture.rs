@@ -45,9 +45,9 @@ impl PictureFiles {
         let loaded = LoadedScene::open(&self.scene, None)?;
         let options = RenderOptions { budget: Budget::SamplesPerPixel(16.0), ..RenderOptions::default() };
         let sphere = in_pool(|| RenderedScene::render(&loaded, &options, 1, 1))?;
-        let image = sphere.image(&loaded.light, BackgroundArg::Light);
+        let image = sphere.image(BackgroundArg::Light);
         let exposure = sphere.exposure(None);
-        let rendered = Rendered { scene: &sphere, image: &image, exposure, light: &loaded.light };
+        let rendered = Rendered { scene: &sphere, image: &image, exposure };
         Ok(write_map(&self.picture, name, &rendered)?)
     }
 }
@@ -69,7 +69,8 @@ fn scene(name: &str) -> SceneDocument {
             width: SIZE,
             height: SIZE,
         },
-        light: LightDocument::Procedural { kind: Procedural::Sky, rotation: 0.0, scale: 1.0 },
+        light: Some(LightDocument::Procedural { kind: Procedural::Sky, rotation: 0.0, scale: 1.0 }),
+        lights: None,
         materials: BTreeMap::from([(name.to_owned(), material)]),
         objects: vec![ObjectDocument {
             mesh: MeshDocument::Sphere { radius: 1.0 },

@@ -7,8 +7,8 @@ use std::path::Path;
 use brdfit_bandwidth::{Atlas, AtlasChannels, Layout, LobeGrid, LobeOptions, compute_atlas};
 use brdfit_brdf::{SgdMaterial, SgdParameters};
 use brdfit_renderer::{
-    Backend, Bandwidth, Budget, Cpu, FrameInput, GBuffer, Light, Material, Mode, Procedural, RenderOptions, Scene,
-    SceneDocument,
+    Backend, Bandwidth, Budget, Cpu, FrameInput, GBuffer, Light, LightSet, Material, Mode, Procedural, RenderOptions,
+    Scene, SceneDocument,
 };
 use criterion::{Criterion, criterion_group, criterion_main};
 
@@ -46,7 +46,7 @@ impl Prepared {
 
     fn input(&self) -> FrameInput<'_> {
         let materials = vec![Material::new(&self.brdf, Bandwidth::Atlas(&self.atlas))];
-        FrameInput::new(self.gbuffer.clone(), materials, &self.light).expect("one material")
+        FrameInput::new(self.gbuffer.clone(), materials, LightSet::from(self.light.clone())).expect("one material")
     }
 }
 

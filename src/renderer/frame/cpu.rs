@@ -72,8 +72,7 @@ impl CpuFrame<'_> {
             let pass = PilotPass {
                 gbuffer,
                 materials,
-                light: input.light(),
-                light_bandwidth: input.light_bandwidth(),
+                lights: input.lights(),
                 samples: options.pilot_samples,
                 seed: options.seed,
                 keep_paths: options.geometry != Geometry::Reflected,
@@ -156,7 +155,7 @@ impl CpuFrame<'_> {
         let Self { input, materials, buffers } = self;
         let gbuffer = input.gbuffer();
         let (points, counts) = (&buffers.list.points, &buffers.counts);
-        let pass = ShadingPass { gbuffer, materials, light: input.light(), seed: options.seed, points, counts };
+        let pass = ShadingPass { gbuffer, materials, lights: input.lights(), seed: options.seed, points, counts };
         timed(&mut times.shading, &pass, &mut buffers.shaded);
         let pass = UpsamplingPass {
             gbuffer,
@@ -200,6 +199,7 @@ mod tests {
     use brdfit_brdf::Lambert;
 
     use crate::frame::options::OptionsError;
+    use crate::lights::light_set::LightSet;
     use crate::lights::procedural::Procedural;
     use crate::passes::allocation::Prefilter;
     use crate::passes::material::Material;
@@ -214,8 +214,9 @@ mod tests {
 
     #[test]
     fn layers_are_those_of_the_passes_that_ran() {
-        let light = Procedural::Sky.light(16);
-        let mut frame = Cpu.prepare(FrameInput::new(sphere(24, 4.0), vec![Material::diffuse(&CHALK)], &light).unwrap());
+        let lights = LightSet::from(Procedural::Sky.light(16));
+        let mut frame =
+            Cpu.prepare(FrameInput::new(sphere(24, 4.0), vec![Material::diffuse(&CHALK)], lights.clone()).unwrap());
         let of_the_input = [LayerGroup::GBuffer, LayerGroup::Light];
         assert_eq!(groups(&frame), of_the_input);
         let with = |mode| RenderOptions { mode, ..RenderOptions::default() };
@@ -229,8 +230,9 @@ mod tests {
 
     #[test]
     fn options_that_cannot_be_used_are_an_error() {
-        let light = Procedural::Sky.light(16);
-        let mut frame = Cpu.prepare(FrameInput::new(sphere(24, 4.0), vec![Material::diffuse(&CHALK)], &light).unwrap());
+        let lights = LightSet::from(Procedural::Sky.light(16));
+        let mut frame =
+            Cpu.prepare(FrameInput::new(sphere(24, 4.0), vec![Material::diffuse(&CHALK)], lights.clone()).unwrap());
         let reference = RenderOptions { mode: Mode::Reference, ..RenderOptions::default() };
         for options in [
             RenderOptions { pilot_samples: 3, ..RenderOptions::default() },
@@ -245,11 +247,11 @@ mod tests {
 
     #[test]
     fn a_frame_without_surfaces_is_black() {
-        let light = Procedural::Sky.light(16);
+        let lights = LightSet::from(Procedural::Sky.light(16));
         let mut gbuffer = sphere(8, 4.0);
         gbuffer.material.fill(crate::geometry::gbuffer::BACKGROUND);
         for mode in [Mode::Adaptive, Mode::AdaptivePixels, Mode::AdaptiveCounts, Mode::Reference] {
-            let mut frame = Cpu.prepare(FrameInput::new(gbuffer.clone(), Vec::new(), &light).unwrap());
+            let mut frame = Cpu.prepare(FrameInput::new(gbuffer.clone(), Vec::new(), lights.clone()).unwrap());
             let rendered = Cpu.render(&mut frame, &RenderOptions { mode, ..RenderOptions::default() }).unwrap();
             assert_eq!(rendered.radiance, [[0.0; 3]; 64]);
             assert_eq!((rendered.statistics.foreground, rendered.statistics.shading_samples), (0, 0));

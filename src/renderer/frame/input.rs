@@ -1,42 +1,27 @@
 //! All that a frame is rendered from.
 
-use std::time::{Duration, Instant};
-
 use crate::frame::error::FrameError;
 use crate::geometry::differentials::Differentials;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
-use crate::lights::bandwidth::LightBandwidth;
-use crate::lights::octahedral_light::Light;
+use crate::lights::light_set::LightSet;
 use crate::passes::material::Material;
 
-/// All that a frame is rendered from, checked, with what follows from it: the differentials of the surfaces and the bandwidth of the
-/// light.
+/// All that a frame is rendered from, checked, with what follows from it: the differentials of the surfaces.
 #[derive(Clone)]
 pub struct FrameInput<'a> {
     gbuffer: GBuffer,
     differentials: Differentials,
     materials: Vec<Material<'a>>,
-    light: &'a Light,
-    light_bandwidth: LightBandwidth,
+    lights: LightSet,
     foreground: usize,
-    times: PreparationTimes,
-}
-
-/// Wall time of what follows from the input.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PreparationTimes {
-    /// Differentials of the surfaces.
-    pub differentials: Duration,
-    /// Bandwidth of the light.
-    pub light_bandwidth: Duration,
 }
 
 impl<'a> FrameInput<'a> {
-    /// The input of these surfaces, the materials that they count, and the light.
+    /// The input of these surfaces, the materials that they count, and the lights.
     ///
     /// # Errors
     /// [`FrameError::NoMaterial`] if a pixel counts a material that is not there.
-    pub fn new(gbuffer: GBuffer, materials: Vec<Material<'a>>, light: &'a Light) -> Result<Self, FrameError> {
+    pub fn new(gbuffer: GBuffer, materials: Vec<Material<'a>>, lights: LightSet) -> Result<Self, FrameError> {
         let mut foreground = 0;
         for (pixel, &material) in gbuffer.material.iter().enumerate().filter(|&(_, &index)| index != BACKGROUND) {
             if usize::from(material) >= materials.len() {
@@ -44,12 +29,8 @@ impl<'a> FrameInput<'a> {
             }
             foreground += 1;
         }
-        let start = Instant::now();
         let differentials = Differentials::new(&gbuffer);
-        let differenced = start.elapsed();
-        let light_bandwidth = LightBandwidth::new(light);
-        let times = PreparationTimes { differentials: differenced, light_bandwidth: start.elapsed() - differenced };
-        Ok(Self { gbuffer, differentials, materials, light, light_bandwidth, foreground, times })
+        Ok(Self { gbuffer, differentials, materials, lights, foreground })
     }
 
     /// Visible surfaces.
@@ -58,16 +39,10 @@ impl<'a> FrameInput<'a> {
         &self.gbuffer
     }
 
-    /// Bandwidth of the light.
+    /// The lights.
     #[must_use]
-    pub fn light_bandwidth(&self) -> &LightBandwidth {
-        &self.light_bandwidth
-    }
-
-    /// What the preparation took.
-    #[must_use]
-    pub fn times(&self) -> PreparationTimes {
-        self.times
+    pub fn lights(&self) -> &LightSet {
+        &self.lights
     }
 
     /// How the surfaces change from pixel to pixel.
@@ -78,11 +53,6 @@ impl<'a> FrameInput<'a> {
     /// The materials that the G-buffer counts.
     pub(crate) fn materials(&self) -> &[Material<'a>] {
         &self.materials
-    }
-
-    /// The light.
-    pub(crate) fn light(&self) -> &'a Light {
-        self.light
     }
 
     /// Pixels that show a surface.
@@ -101,13 +71,13 @@ mod tests {
 
     #[test]
     fn a_material_that_is_not_there_is_named() {
-        let light = Procedural::Uniform.light(4);
+        let lights = LightSet::from(Procedural::Uniform.light(4));
         let chalk = Lambert { albedo: [0.5; 3] };
         let mut gbuffer = sphere(9, 4.0);
         gbuffer.material[4 * 9 + 4] = 1;
-        let error = FrameInput::new(gbuffer.clone(), vec![Material::diffuse(&chalk)], &light).err();
+        let error = FrameInput::new(gbuffer.clone(), vec![Material::diffuse(&chalk)], lights.clone()).err();
         assert_eq!(error, Some(FrameError::NoMaterial { pixel: 40, material: 1, materials: 1 }));
-        let two = FrameInput::new(gbuffer, vec![Material::diffuse(&chalk); 2], &light).unwrap();
+        let two = FrameInput::new(gbuffer, vec![Material::diffuse(&chalk); 2], lights).unwrap();
         assert_eq!(two.foreground(), two.gbuffer().foreground().iter().filter(|&&shown| shown).count());
     }
 }

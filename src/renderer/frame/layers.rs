@@ -4,7 +4,7 @@ use crate::frame::buffers::FrameBuffers;
 use crate::frame::input::FrameInput;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
 use crate::images::layer::Layer;
-use crate::lights::bandwidth::LightBandwidth;
+use crate::lights::light_set::LightSet;
 use crate::passes::decision::State;
 use crate::passes::image_bandwidth::COARSEST_LEVEL;
 
@@ -42,7 +42,7 @@ pub(crate) fn layers(group: LayerGroup, input: &FrameInput<'_>, buffers: &FrameB
     let gbuffer = input.gbuffer();
     match group {
         LayerGroup::GBuffer => surface_layers(input),
-        LayerGroup::Light => vec![light_layer(gbuffer, input.light_bandwidth())],
+        LayerGroup::Light => vec![light_layer(gbuffer, input.lights())],
         LayerGroup::Pilot if buffers.is_predicted() => vec![pilot_layer(buffers)],
         LayerGroup::Bandwidth if buffers.is_divided() => bandwidth_layers(buffers),
         LayerGroup::Decision if buffers.is_divided() => vec![decision_layer(gbuffer, buffers)],
@@ -70,11 +70,13 @@ fn surface_layers(input: &FrameInput<'_>) -> Vec<Layer> {
     ]
 }
 
-/// The bandwidth of the light in the mirror direction of every pixel.
-fn light_layer(gbuffer: &GBuffer, bandwidth: &LightBandwidth) -> Layer {
+/// The largest bandwidth of the lights in the mirror direction of every pixel.
+fn light_layer(gbuffer: &GBuffer, lights: &LightSet) -> Layer {
     let mirrored = |pixel: usize| {
-        let background = gbuffer.material[pixel] == BACKGROUND;
-        [if background { 0.0 } else { finite_or_minus_one(bandwidth.at(gbuffer.mirror_direction(pixel))) }]
+        if gbuffer.material[pixel] == BACKGROUND {
+            return [0.0];
+        }
+        [finite_or_minus_one(lights.bandwidth(gbuffer.position[pixel], gbuffer.mirror_direction(pixel)))]
     };
     Layer::new("light", ["NU"], (0..gbuffer.material.len()).map(mirrored))
 }

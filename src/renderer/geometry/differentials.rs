@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::Vec3;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
+use crate::geometry::vec3::Vec3;
 
 /// Change of the mirror direction, in radians per pixel along both axes, where a pixel has no neighbour of its material: as
 /// good as a silhouette on all sides, so it asks for full resolution.

@@ -1,6 +1,6 @@
 //! What is visible at each pixel.
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 
 /// The material index of pixels that show no surface.
 pub const BACKGROUND: u16 = u16::MAX;
@@ -126,6 +126,12 @@ impl GBuffer {
         [self.width, self.height]
     }
 
+    /// Where the surfaces are seen from, world units.
+    #[must_use]
+    pub fn eye(&self) -> Vec3 {
+        self.eye
+    }
+
     /// Index of the material of each pixel, or [`BACKGROUND`].
     #[must_use]
     pub fn material(&self) -> &[u16] {
@@ -136,6 +142,18 @@ impl GBuffer {
     #[must_use]
     pub fn view(&self) -> &[Vec3] {
         &self.view
+    }
+
+    /// Point on the surface at each pixel, world units; zero in the background.
+    #[must_use]
+    pub fn position(&self) -> &[Vec3] {
+        &self.position
+    }
+
+    /// Distance to the eye at each pixel, world units; infinite in the background.
+    #[must_use]
+    pub fn depth(&self) -> &[f32] {
+        &self.depth
     }
 
     /// What the whole BRDF is multiplied by at each pixel, per channel.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::geometry::differentials::Differentials;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
 use crate::passes::pass::Pass;
-use crate::passes::pilot::{Path, Pilot};
+use crate::passes::pilot::{GEOMETRY_BANDWIDTH, Path, Pilot, Prediction};
 use crate::passes::transport::{BandLimit, Bounce, LARGEST};
 
 /// Coarsest level of the pyramid: cells of 32 x 32 pixels.
@@ -73,35 +73,48 @@ impl ImageBandwidthPass<'_> {
     fn bandwidth(&self, pixel: usize) -> f32 {
         let Self { gbuffer, differentials, pilot, .. } = *self;
         match self.geometry {
-            Geometry::Reflected => reflected(pilot, differentials, pixel),
+            Geometry::Reflected => reflected(gbuffer, pilot, differentials, pixel),
             Geometry::Operators => by_paths(gbuffer, differentials, pilot, pixel, BandLimit::Segment),
             Geometry::OperatorsPublished => by_paths(gbuffer, differentials, pilot, pixel, BandLimit::Published),
         }
     }
 }
 
-/// `nu s`.
-fn reflected(pilot: &Pilot, differentials: &Differentials, pixel: usize) -> f32 {
-    pilot.at(pixel).map_or(0.0, |prediction| prediction.bandwidth * differentials.spread[pixel])
+/// `nu s`, the speed of the mirror direction, for all lights; and for near ones what follows the position and the normal. Distances
+/// add up where directions turn both ways, so this is an upper bound of the speed.
+fn reflected(gbuffer: &GBuffer, pilot: &Pilot, differentials: &Differentials, pixel: usize) -> f32 {
+    let Some(prediction) = pilot.at(pixel) else { return 0.0 };
+    let &Prediction { bandwidth, by_position, by_normal, .. } = prediction;
+    // along the direction in which the surface is foreshortened
+    let step = gbuffer.depth[pixel] * gbuffer.pixel_angle / cos_theta_x(gbuffer, pixel);
+    let turn = step * differentials.curvature[pixel].abs();
+    bandwidth * differentials.spread[pixel] + (by_position * step + by_normal * turn)
 }
 
-/// Equation (5) over the transported paths of the pixel's pilot point, with the pixel's own geometry.
+fn cos_theta_x(gbuffer: &GBuffer, pixel: usize) -> f32 {
+    gbuffer.normal[pixel].dot(&gbuffer.view[pixel]).max(0.01)
+}
+
+/// Equation (5) over the transported paths of the pixel's pilot point, with the pixel's own geometry. The light of a near lamp leaves
+/// it with a bandwidth in space, and what turns it into one in angle is the way to the surface.
 fn by_paths(gbuffer: &GBuffer, differentials: &Differentials, pilot: &Pilot, pixel: usize, limit: BandLimit) -> f32 {
     let point = pilot.points.of_pixel[pixel] as usize;
     let count = pilot.paths.len() / pilot.points.pixels.len();
-    let cos_theta_x = gbuffer.normal[pixel].dot(&gbuffer.view[pixel]).max(0.01);
     let (mut sum, mut total) = (0.0, 0.0);
-    for &Path { contribution, light, lobe, cos_theta_i } in &pilot.paths[point * count..][..count] {
+    for &Path { contribution, light, lobe, cos_theta_i, distance } in &pilot.paths[point * count..][..count] {
+        let light = light.min(LARGEST);
+        let near = distance < f32::INFINITY;
         let bounce = Bounce {
-            d: 0.0,
+            d: if near { distance } else { 0.0 },
             d_eye: gbuffer.depth[pixel],
             c: differentials.curvature[pixel],
             cos_theta_i,
-            cos_theta_x,
-            rho: lobe,
+            cos_theta_x: cos_theta_x(gbuffer, pixel),
+            rho: if near { (lobe * lobe + GEOMETRY_BANDWIDTH * GEOMETRY_BANDWIDTH).sqrt() } else { lobe },
             t: 0.0,
         };
-        let seen = bounce.transport(Vector2::new(0.0, light.min(LARGEST)), limit);
+        let leaving = if near { Vector2::new(light / distance, 0.0) } else { Vector2::new(0.0, light) };
+        let seen = bounce.transport(leaving, limit);
         sum += contribution * seen.y.abs();
         total += contribution;
     }

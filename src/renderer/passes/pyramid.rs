@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::Vec3;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
+use crate::geometry::vec3::Vec3;
 use crate::passes::image_bandwidth::COARSEST_LEVEL;
 use crate::passes::pass::Pass;
 

@@ -5,13 +5,12 @@ use std::ops::Range;
 use rayon::prelude::*;
 use wide::f32x4;
 
-use crate::Vec3;
 use crate::geometry::gbuffer::GBuffer;
-use crate::geometry::sobol::seed;
-use crate::lights::octahedral_light::Light;
+use crate::geometry::vec3::Vec3;
+use crate::lights::light_set::{LightSet, LookUp};
 use crate::passes::allocation::SampleCounts;
 use crate::passes::decision::Decisions;
-use crate::passes::direct_lighting::{Batch, LANES, LookUp, Place, Request, Technique};
+use crate::passes::direct_lighting::{Batch, Gathering, LANES, Place, Request, Stage};
 use crate::passes::material::ShadingMaterial;
 use crate::passes::pass::Pass;
 use crate::passes::pyramid::{SurfacePyramid, central_pixels};
@@ -88,7 +87,7 @@ impl Pass for ShadingListPass<'_> {
 pub(crate) struct ShadingPass<'a> {
     pub(crate) gbuffer: &'a GBuffer,
     pub(crate) materials: &'a [ShadingMaterial<'a>],
-    pub(crate) light: &'a Light,
+    pub(crate) lights: &'a LightSet,
     pub(crate) seed: u32,
     pub(crate) points: &'a [ShadingPoint],
     /// Samples of each point.
@@ -132,17 +131,36 @@ impl ShadingPass<'_> {
         jobs
     }
 
-    /// Where a point gathers light, and the pixel that its seeds come from: that to the lower right of the cell's centre.
-    fn place(&self, point: &ShadingPoint) -> (Place, usize) {
+    /// Where a point gathers light: at its pixel, or at the mean of the four around the centre of its cell. The sequences of points
+    /// are those of the pixel to the lower right of the centre.
+    fn place(&self, point: &ShadingPoint) -> Place {
         let (k, gbuffer) = (usize::from(point.level), self.gbuffer);
         let (column, row) = (usize::from(point.column), usize::from(point.row));
+        let of_pixel = |pixel: usize| [(pixel % gbuffer.width) as u32, (pixel / gbuffer.width) as u32];
         if k == 0 {
-            let pixel = row * gbuffer.width + column;
-            return (Place { normal: gbuffer.normal[pixel], view: gbuffer.view[pixel] }, pixel);
+            let n = row * gbuffer.width + column;
+            let (position, normal, view) = (gbuffer.position[n], gbuffer.normal[n], gbuffer.view[n]);
+            return Place { position, normal, view, pixel: of_pixel(n) };
         }
         let four = central_pixels(gbuffer, k, column, row).expect("only coherent cells are shaded");
-        let mean = |vectors: &[Vec3]| four.iter().fold(Vec3::zeros(), |sum, &pixel| sum + vectors[pixel]).normalize();
-        (Place { normal: mean(&gbuffer.normal), view: mean(&gbuffer.view) }, four[3])
+        let sum = |vectors: &[Vec3]| four.iter().fold(Vec3::zeros(), |sum, &pixel| sum + vectors[pixel]);
+        Place {
+            position: 0.25 * sum(&gbuffer.position),
+            normal: sum(&gbuffer.normal).normalize(),
+            view: sum(&gbuffer.view).normalize(),
+            pixel: of_pixel(four[3]),
+        }
+    }
+
+    fn gathering(&self, material: u16, look_up: LookUp) -> Gathering<'_> {
+        Gathering {
+            shading: self.materials[usize::from(material)].shading.as_ref(),
+            lights: self.lights,
+            look_up,
+            stage: Stage::Shading,
+            seed: self.seed,
+            least_per_light: 0,
+        }
     }
 }
 
@@ -156,68 +174,47 @@ struct Job {
 }
 
 impl Job {
-    /// Shades a part of the list.
-    fn run(&mut self, pass: &ShadingPass<'_>, part_of_list: Range<usize>, radiance: &mut [f32x4]) {
-        let first = part_of_list.start;
+    /// Shades a part of the list, of one material.
+    fn run(&mut self, pass: &ShadingPass<'_>, part: Range<usize>, radiance: &mut [f32x4]) {
+        let first = part.start;
         for look_up in [LookUp::Exact, LookUp::Filtered] {
+            let with = pass.gathering(pass.points[first].material, look_up);
             let mut lanes = 0;
-            for n in part_of_list.clone() {
+            for n in part.clone() {
                 if pass.counts.prefiltered[n] != (look_up == LookUp::Filtered) {
                     continue;
                 }
                 let (mut taken, samples) = (0, pass.counts.samples[n]);
-                let whole = request(pass, n);
+                let place = pass.place(&pass.points[n]);
                 while taken < samples {
                     let until = samples.min(taken + (LANES - lanes) as u32);
-                    self.requests.push(part(&whole, taken..until));
-                    self.of.push(n);
+                    self.requests.push(Request { place, samples, taken: taken..until });
+                    self.of.push(n - first);
                     lanes += (until - taken) as usize;
                     taken = until;
                     if lanes == LANES {
-                        self.flush(pass, first, look_up, radiance);
+                        self.flush(&with, radiance);
                         lanes = 0;
                     }
                 }
             }
-            self.flush(pass, first, look_up, radiance);
+            self.flush(&with, radiance);
         }
     }
 
-    /// Takes the samples that have been requested and adds them to their points, of which `radiance` holds those from `first` on.
-    fn flush(&mut self, pass: &ShadingPass<'_>, first: usize, look_up: LookUp, radiance: &mut [f32x4]) {
-        let Some(&n) = self.of.first() else { return };
-        let material = &pass.materials[usize::from(pass.points[n].material)];
-        self.batch.gather(material.shading.as_ref(), pass.light, look_up, &self.requests);
-        for (request, &point) in self.of.iter().enumerate() {
-            let [r, g, b] = self.batch.sum(request);
-            radiance[point - first] += f32x4::from([r, g, b, 0.0]);
+    /// Takes the samples that have been requested and adds them to their points.
+    fn flush(&mut self, with: &Gathering<'_>, radiance: &mut [f32x4]) {
+        if self.requests.is_empty() {
+            return;
+        }
+        self.batch.gather(with, &self.requests);
+        for (n, &point) in self.of.iter().enumerate() {
+            let [r, g, b] = self.batch.sum(n);
+            radiance[point] += f32x4::from([r, g, b, 0.0]);
         }
         self.requests.clear();
         self.of.clear();
     }
-}
-
-/// All samples of the n-th point.
-fn request(pass: &ShadingPass<'_>, n: usize) -> Request {
-    let (place, pixel) = pass.place(&pass.points[n]);
-    let (x, y) = ((pixel % pass.gbuffer.width) as u32, (pixel / pass.gbuffer.width) as u32);
-    let seed = |technique: Technique| seed([x, y], technique as u32, pass.seed);
-    let samples = pass.counts.samples[n];
-    let counts = if pass.counts.prefiltered[n] { [samples, 0] } else { [samples.div_ceil(2), samples / 2] };
-    Request {
-        place,
-        seeds: [seed(Technique::Brdf), seed(Technique::Light)],
-        counts,
-        taken: counts.map(|count| 0..count),
-    }
-}
-
-/// Some of the samples of a point, counted through both techniques.
-fn part(whole: &Request, range: Range<u32>) -> Request {
-    let first = whole.counts[0];
-    let of_brdf = range.start.min(first)..range.end.min(first);
-    let of_light = range.start.max(first) - first..range.end.max(first) - first;
-    Request { taken: [of_brdf, of_light], ..whole.clone() }
 }
 
 #[cfg(test)]
@@ -257,11 +254,11 @@ mod tests {
         let points: Vec<ShadingPoint> = (0..60).map(|n| point(0, u16::from(n >= 25), n, 0)).collect();
         let counts = SampleCounts { samples: vec![1000; 60], prefiltered: vec![false; 60] };
         let gbuffer = plane(60, 1, 1.0);
-        let lights = crate::lights::procedural::Procedural::Uniform.light(4);
+        let lights = LightSet::default();
         let pass = ShadingPass {
             gbuffer: &gbuffer,
             materials: &[],
-            light: &lights,
+            lights: &lights,
             seed: 0,
             points: &points,
             counts: &counts,

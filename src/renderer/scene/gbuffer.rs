@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::Vec3;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer, Surfaces, Viewpoint};
+use crate::geometry::vec3::Vec3;
 use crate::scene::Scene;
 use crate::shapes::intersection::Ray;
 
@@ -22,7 +22,7 @@ struct Surface {
 }
 
 impl Scene {
-    /// What is visible at the centre of each pixel. Rows are spread over the threads of the current pool; the result is the same for
+    /// What is visible at the centre of each pixel; one that shows a light at a finite distance counts as background. Rows are spread over the threads of the current pool; the result is the same for
     /// every number of them.
     #[must_use]
     pub fn gbuffer(&self) -> GBuffer {
@@ -71,7 +71,8 @@ impl Scene {
 
     /// The surface at the centre of a pixel.
     fn surface(&self, x: usize, y: usize, waiting: &mut Vec<(usize, f32)>) -> Option<Surface> {
-        let ray = Ray::new(self.camera.eye, self.camera.direction(x as f64 + 0.5, y as f64 + 0.5));
+        let direction = self.camera.direction(x as f64 + 0.5, y as f64 + 0.5);
+        let ray = Ray::new(self.camera.eye, direction);
         let (triangle, hit) = self.visibility.first(&self.mesh, &ray, waiting)?;
         let corners = self.mesh.triangles[triangle].map(|vertex| vertex as usize);
         let mix = |values: &[Vec3]| {
@@ -81,6 +82,9 @@ impl Scene {
         let position = mix(&self.mesh.positions);
         let to_eye = self.camera.eye - position;
         let depth = to_eye.norm();
+        if self.near_lights.nearest(self.camera.eye, direction).is_some_and(|light| light.distance < depth) {
+            return None;
+        }
         let view = to_eye / depth;
         let uv =
             std::array::from_fn(|k| (0..3).map(|corner| self.mesh.uv[corners[corner]][k] * hit.weights[corner]).sum());

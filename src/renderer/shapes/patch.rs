@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::shapes::mesh::Mesh;
 
 /// A grid over (u, v) in [0, 1]^2.

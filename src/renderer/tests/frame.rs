@@ -37,7 +37,7 @@ fn paint() -> SgdMaterial {
 }
 
 fn render(gbuffer: &GBuffer, light: &Light, materials: &[Material<'_>], options: &RenderOptions) -> Frame {
-    let input = FrameInput::new(gbuffer.clone(), materials.to_vec(), light).unwrap();
+    let input = FrameInput::new(gbuffer.clone(), materials.to_vec(), LightSet::from(light.clone())).unwrap();
     Cpu.render(&mut Cpu.prepare(input), options).unwrap()
 }
 
@@ -141,7 +141,8 @@ fn operators_agree_with_the_mirror_direction_at_the_centre_of_a_sphere() {
     let sharp = atlas(&paint);
     let bandwidth = |geometry| {
         let materials = vec![Material::new(&paint, Bandwidth::Atlas(&sharp)); 2];
-        let mut frame = Cpu.prepare(FrameInput::new(gbuffer.clone(), materials, &light).unwrap());
+        let mut frame =
+            Cpu.prepare(FrameInput::new(gbuffer.clone(), materials, LightSet::from(light.clone())).unwrap());
         Cpu.render(&mut frame, &RenderOptions { geometry, ..RenderOptions::default() }).unwrap();
         let layers = Cpu.layers(&frame, LayerGroup::Bandwidth);
         assert_eq!(layers[0].name(), "bandwidth");
