@@ -92,6 +92,9 @@ fn by_paths(gbuffer: &GBuffer, differentials: &Differentials, pilot: &Pilot, pix
     let count = pilot.paths.len() / pilot.pixels.len();
     let (mut sum, mut total) = (0.0, 0.0);
     for &Path { contribution, light, lobe, cos_theta_i, distance } in &pilot.paths[point * count..][..count] {
+        if contribution <= 0.0 {
+            continue;
+        }
         let light = light.min(LARGEST);
         let near = distance < f32::INFINITY;
         let bounce = Bounce {
