@@ -9,7 +9,7 @@ use brdfit_bandwidth::{Atlas, AtlasChannels, AtlasError, Layout, LobeGrid, LobeO
 use brdfit_brdf::{Brdf, GgxBrdf, Lambert};
 use brdfit_measured::SamplePosition;
 use brdfit_renderer::scene::{MaterialSource, SampleLocation, SceneMaterial};
-use brdfit_renderer::{Light, LightSet, Scene, SceneDocument, SceneError};
+use brdfit_renderer::{Bandwidth, Light, LightSet, Material, Scene, SceneDocument, SceneError};
 use tracing::info;
 
 use crate::args::embedded_materials;
@@ -30,10 +30,18 @@ pub(crate) struct LoadedScene {
     pub(crate) sha256: String,
 }
 
-/// A BRDF and its atlas.
+/// A BRDF and its bandwidth.
 pub(crate) struct LoadedMaterial {
-    pub(crate) brdf: Box<dyn Brdf>,
-    pub(crate) atlas: Atlas,
+    brdf: Box<dyn Brdf>,
+    /// None for a diffuse material, whose bandwidth is 0.
+    atlas: Option<Atlas>,
+}
+
+impl LoadedMaterial {
+    /// As frames take it.
+    pub(crate) fn for_frames(&self) -> Material<'_> {
+        Material::new(self.brdf.as_ref(), self.atlas.as_ref().map_or(Bandwidth::Constant(0.0), Bandwidth::Atlas))
+    }
 }
 
 /// Where the files are that a scene names.
@@ -81,6 +89,7 @@ impl LoadedScene {
 struct OpenedMaterial {
     brdf: Box<dyn Brdf>,
     atlas: Option<Atlas>,
+    is_diffuse: bool,
 }
 
 impl OpenedMaterial {
@@ -90,13 +99,13 @@ impl OpenedMaterial {
         let brdf = brdf(&document.source, folders).map_err(|error| within(&error, source_member(&document.source)))?;
         let atlas = document.atlas.as_ref().map(|file| read_atlas(&folders.find(file)));
         let atlas = atlas.transpose().map_err(|problem| within(&problem.into(), "atlas"))?;
-        Ok(Self { brdf, atlas })
+        Ok(Self { brdf, atlas, is_diffuse: matches!(document.source, MaterialSource::Lambert(_)) })
     }
 
-    /// The material with its atlas, which is computed where none was named.
+    /// The material with its atlas, which is computed where none was named and the material needs one.
     fn complete(self, member: &str, grid: &LazyCell<LobeGrid>) -> Result<LoadedMaterial, Problem> {
-        let Self { brdf, atlas } = self;
-        if let Some(atlas) = atlas {
+        let Self { brdf, atlas, is_diffuse } = self;
+        if atlas.is_some() || is_diffuse {
             return Ok(LoadedMaterial { brdf, atlas });
         }
         info!(material = member, "no atlas is named; one is computed");
@@ -104,7 +113,7 @@ impl OpenedMaterial {
         let grid: &LobeGrid = grid;
         let (atlas, _) = in_pool(|| compute_atlas(brdf.as_ref(), true, Layout::Isotropic, channels, grid, &options))
             .map_err(|error| Problem::computation(format!("{member}: {error}")))?;
-        Ok(LoadedMaterial { brdf, atlas: atlas.rounded_up() })
+        Ok(LoadedMaterial { brdf, atlas: Some(atlas.rounded_up()) })
     }
 }
 

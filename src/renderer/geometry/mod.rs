@@ -5,3 +5,4 @@ pub(crate) mod gbuffer;
 pub mod octahedral;
 pub mod sobol;
 pub(crate) mod spherical_rectangle;
+pub(crate) mod vec3;

@@ -1,6 +1,6 @@
 //! The local bandwidth of the light in every direction.
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::lights::octahedral_light::Light;
 use brdfit_bandwidth::Estimator;
 use brdfit_brdf::by_eights;

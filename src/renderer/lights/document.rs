@@ -5,7 +5,7 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::lights::environment_map::{LatLong, turned_back};
 use crate::lights::error::LightError;
 use crate::lights::light_set::NearLight;

@@ -1,6 +1,6 @@
 //! The environment: an octahedral image at infinite distance as one of the lights.
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::lights::bandwidth::LightBandwidth;
 use crate::lights::lighting::{Arriving, Lighting, PrefilteredLighting, Receivers, Seen};
 use crate::lights::octahedral_light::Light;

@@ -2,8 +2,8 @@
 //!
 //! All results are those of the single look-ups bit for bit, wherever in a slice they stand.
 
-use crate::Vec3;
 use crate::geometry::octahedral::{eight_to_directions, eight_to_square};
+use crate::geometry::vec3::Vec3;
 use crate::lights::alias_table::TexelTable;
 use crate::lights::light_level::LightLevel;
 use crate::lights::octahedral_light::Light;

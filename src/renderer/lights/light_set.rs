@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::lights::bandwidth::LightBandwidth;
 use crate::lights::environment::Environment;
 use crate::lights::lighting::{Lighting, Receivers, Seen};

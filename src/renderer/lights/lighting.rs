@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 
 /// Where light arrives, one receiver per lane, world space.
 #[derive(Clone, Copy, Debug)]

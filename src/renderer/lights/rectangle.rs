@@ -7,8 +7,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wide::f32x8;
 
-use crate::Vec3;
 use crate::geometry::spherical_rectangle::SeenRectangle;
+use crate::geometry::vec3::Vec3;
 use crate::lights::light_set::NearLight;
 use crate::lights::lighting::{Arriving, Lighting, Receivers, Seen};
 use crate::scene::error::{Field, SceneError};

@@ -11,8 +11,8 @@ use std::ops::Range;
 
 use brdfit_brdf::Shading;
 
-use crate::Vec3;
 use crate::geometry::sobol;
+use crate::geometry::vec3::Vec3;
 use crate::lights::light_set::{LightSet, LookUp, Samples};
 use crate::lights::lighting::{Arriving, Receivers};
 

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::Vec3;
-use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
+use crate::geometry::gbuffer::{BACKGROUND, GBuffer, Surfaces, Viewpoint};
+use crate::geometry::vec3::Vec3;
 use crate::scene::Scene;
 use crate::shapes::intersection::Ray;
 
@@ -28,12 +28,7 @@ impl Scene {
     pub fn gbuffer(&self) -> GBuffer {
         let (width, height) = (self.camera.width, self.camera.height);
         let pixels = width * height;
-        let mut buffer = GBuffer {
-            width,
-            height,
-            pixel_angle: self.camera.pixel_angle,
-            eye: self.camera.eye,
-            axes: self.camera.axes(),
+        let mut buffers = Surfaces {
             position: vec![Vec3::zeros(); pixels],
             normal: vec![Vec3::zeros(); pixels],
             view: vec![Vec3::zeros(); pixels],
@@ -43,13 +38,13 @@ impl Scene {
             albedo: vec![[0.0; 3]; pixels],
         };
         let rows = (
-            buffer.position.par_chunks_mut(width),
-            buffer.normal.par_chunks_mut(width),
-            buffer.view.par_chunks_mut(width),
-            buffer.depth.par_chunks_mut(width),
-            buffer.material.par_chunks_mut(width),
-            buffer.uv.par_chunks_mut(width),
-            buffer.albedo.par_chunks_mut(width),
+            buffers.position.par_chunks_mut(width),
+            buffers.normal.par_chunks_mut(width),
+            buffers.view.par_chunks_mut(width),
+            buffers.depth.par_chunks_mut(width),
+            buffers.material.par_chunks_mut(width),
+            buffers.uv.par_chunks_mut(width),
+            buffers.albedo.par_chunks_mut(width),
         );
         rows.into_par_iter().enumerate().for_each_init(
             Vec::new,
@@ -69,7 +64,9 @@ impl Scene {
                 }
             },
         );
-        buffer
+        let viewpoint =
+            Viewpoint { eye: self.camera.eye, axes: self.camera.axes(), pixel_angle: self.camera.pixel_angle };
+        GBuffer::new(width, height, viewpoint, buffers).expect("the size of the image has been checked")
     }
 
     /// The surface at the centre of a pixel.

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use brdfit_bandwidth::{Atlas, AtlasChannels, Layout, SIZE};
 use brdfit_brdf::Lambert;
 use brdfit_renderer::{
-    BACKGROUND, Budget, Differentials, FrameStatistics, GBuffer, Geometry, LightSet, Material, Mode, Prefilter,
-    RenderOptions, Renderer, Scene, SceneDocument, Vec3, View,
+    BACKGROUND, Backend, Budget, Cpu, Frame, FrameInput, FrameStatistics, GBuffer, Geometry, LightSet, Material, Mode,
+    Prefilter, RenderOptions, Scene, SceneDocument, Vec3,
 };
 
 /// Radiance of the rectangle of all scenes here.
@@ -32,22 +31,14 @@ const LEANING: &str =
 const GREY: &str = r#"{"procedural": {"kind": "uniform", "scale": 0.2}}"#;
 const SKY: &str = r#"{"procedural": {"kind": "sky", "scale": 0.3}}"#;
 
-/// Of a material that reflects the same everywhere.
-fn flat_atlas() -> Atlas {
-    Atlas::from_level0(Layout::Isotropic, AtlasChannels::Max, vec![0.0; SIZE * SIZE]).unwrap()
-}
-
 fn render(document: &SceneDocument, options: &RenderOptions) -> (GBuffer, Vec<[f32; 3]>, FrameStatistics) {
     let folder = Path::new("");
     let gbuffer = Scene::load(document, folder).unwrap().gbuffer();
-    let mut differentials = Differentials::default();
-    differentials.compute(&gbuffer);
     let lights = LightSet::new(document.environment(folder, 64).unwrap(), document.near_lights());
-    let (floor, atlas) = (Lambert { albedo: [0.8, 0.5, 0.2] }, flat_atlas());
-    let materials = [Material::new(&floor, &atlas)];
-    let view = View { gbuffer: &gbuffer, differentials: &differentials, materials: &materials, lights: &lights };
-    let (image, statistics) = Renderer::default().render(&view, options);
-    (gbuffer, image, statistics)
+    let floor = Lambert { albedo: [0.8, 0.5, 0.2] };
+    let input = FrameInput::new(gbuffer.clone(), vec![Material::diffuse(&floor)], lights).unwrap();
+    let Frame { radiance, statistics } = Cpu.render(&mut Cpu.prepare(input), options).unwrap();
+    (gbuffer, radiance, statistics)
 }
 
 fn reference(samples: f64, seed: u32) -> RenderOptions {
@@ -86,15 +77,15 @@ fn closed_form(point: Vec3, polygon: &[[f64; 3]]) -> [f64; 3] {
 /// Means over blocks of 32 x 32 pixels that show the floor, as all pixels up to `margin` around them do.
 fn blocks(gbuffer: &GBuffer, margin: usize, value: impl Fn(usize) -> [f64; 3]) -> Vec<[f64; 3]> {
     let mut means = Vec::new();
-    let width = gbuffer.width;
-    for top in (margin..gbuffer.height - margin).step_by(32) {
+    let [width, height] = gbuffer.size();
+    for top in (margin..height - margin).step_by(32) {
         for left in (margin..width - margin).step_by(32) {
             let square = |margin: usize| {
                 let side = 32 + 2 * margin;
                 let (top, left) = (top - margin, left - margin);
                 (0..side * side).map(move |n| (top + n / side) * width + left + n % side)
             };
-            if square(margin).all(|pixel| gbuffer.material[pixel] != BACKGROUND) {
+            if square(margin).all(|pixel| gbuffer.material()[pixel] != BACKGROUND) {
                 let sum = square(0).map(&value).fold([0.0; 3], |sum, x| std::array::from_fn(|c| sum[c] + x[c]));
                 means.push(sum.map(|sum| sum / 1024.0));
             }
@@ -118,7 +109,7 @@ fn a_lambertian_floor_agrees_with_the_closed_form() {
     let leaning = [[-0.6, 1.2, -0.4], [0.6, 1.2, -0.4], [0.6, 1.8, 0.4], [-0.6, 1.8, 0.4]];
     for (light, polygon) in [(SQUARE, square), (LEANING, leaning)] {
         let (gbuffer, image, _) = render(&scene(light, 96), &reference(1024.0, 0));
-        let exact = blocks(&gbuffer, 0, |pixel| closed_form(gbuffer.position[pixel], &polygon));
+        let exact = blocks(&gbuffer, 0, |pixel| closed_form(gbuffer.position()[pixel], &polygon));
         let ours = blocks(&gbuffer, 0, of_image(&image));
         let worst = largest_difference(&ours, &exact);
         println!("{} blocks of 32 x 32, 1024 samples: largest difference {worst:.1e}", exact.len());
@@ -166,7 +157,7 @@ fn all_modes_have_the_same_mean() {
         (RenderOptions { mode: Mode::AdaptivePixels, ..default }, 0.01),
         (default, 0.01),
         (RenderOptions { geometry: Geometry::Operators, ..default }, 0.01),
-        (RenderOptions { geometry: Geometry::OperatorsLiteral, ..default }, 0.01),
+        (RenderOptions { geometry: Geometry::OperatorsPublished, ..default }, 0.01),
         // averages of the environment have no bias where it is the same everywhere
         (RenderOptions { mode: Mode::Reference, prefilter: Prefilter::Always, ..default }, 0.01),
         (RenderOptions { prefilter: Prefilter::Above(0.05), ..default }, 0.01),
@@ -197,16 +188,16 @@ fn pixels_that_show_a_light_take_part_in_no_pass() {
     let (gbuffer, image, statistics) = render(&document, &RenderOptions::default());
     let lights = LightSet::new(None, document.near_lights());
     let centre = 32 * 64 + 32;
-    assert_eq!((gbuffer.material[centre], image[centre]), (BACKGROUND, [0.0; 3]));
-    assert!(gbuffer.depth[centre].is_infinite());
+    assert_eq!((gbuffer.material()[centre], image[centre]), (BACKGROUND, [0.0; 3]));
+    assert!(gbuffer.depth()[centre].is_infinite());
     // edges[0] x edges[1] points to -y, towards the eye
-    assert_eq!(lights.seen(gbuffer.eye, -gbuffer.view[centre], false), Some([4.0, 2.0, 1.0]));
-    let shown = |gbuffer: &GBuffer| gbuffer.material.iter().filter(|&&material| material != BACKGROUND).count();
+    assert_eq!(lights.seen(gbuffer.eye(), -gbuffer.view()[centre], false), Some([4.0, 2.0, 1.0]));
+    let shown = |gbuffer: &GBuffer| gbuffer.material().iter().filter(|&&material| material != BACKGROUND).count();
     let (hidden, _, _) = render(&scene(below, 64), &RenderOptions::default());
     assert!(shown(&gbuffer) < shown(&hidden) - 100);
     assert_eq!(statistics.foreground as usize, shown(&gbuffer));
     let nothing = Vec3::new(0.0, -1.0, 0.0);
-    assert_eq!(lights.seen(gbuffer.eye, nothing, true), None);
+    assert_eq!(lights.seen(gbuffer.eye(), nothing, true), None);
 }
 
 #[test]
