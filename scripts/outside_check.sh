@@ -29,7 +29,7 @@ done
 for m in 0.1 0.3; do
     cat >"$work/floor.json" <<SCENE
 {
-  "camera": {"eye": [0.4, -2.6, 0.9], "target": [0, 0.2, 0], "vertical_fov": 32, "width": 320, "height": 288},
+  "camera": {"eye": [0.4, -2.6, 0.9], "target": [0, 0.2, 0], "vertical_fov": 32, "width": 128, "height": 112},
   "lights": [{"rect": {"corner": [-0.6, -0.3, 1], "edges": [[0, 1, 0], [1.4, 0, 0]], "radiance": [4, 3, 2]}}],
   "materials": {"surface": {"source": {"ggx": {"rho_d": [0, 0, 0], "rho_s": [0.9, 0.6, 0.3], "m": $m}}}},
   "objects": [{"mesh": {"plane": {"size": 40}}, "material": "surface"}]

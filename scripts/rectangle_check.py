@@ -44,7 +44,7 @@ def clipped(polygon):
     """The part of a polygon above z = 0."""
     kept = []
     for a, b in zip(polygon, np.roll(polygon, -1, axis=0)):
-        if a[2] > 0:
+        if a[2] >= 0:
             kept.append(a)
         if a[2] * b[2] < 0:
             kept.append(a + (b - a) * a[2] / (a[2] - b[2]))
@@ -79,7 +79,7 @@ def main():
     parser.add_argument("brdfit")
     parser.add_argument("folder", type=Path)
     parser.add_argument("--spp", type=int, default=4096)
-    parser.add_argument("--size", type=int, default=128)
+    parser.add_argument("--size", type=int, default=64)
     arguments = parser.parse_args()
     worst = 0.0
     for name, (corner, edges) in LIGHTS.items():

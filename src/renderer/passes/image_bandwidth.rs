@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::geometry::differentials::Differentials;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
 use crate::passes::pass::Pass;
-use crate::passes::pilot::{GEOMETRY_BANDWIDTH, Path, Pilot, Prediction};
+use crate::passes::pilot::{GEOMETRY_BANDWIDTH, NEAR_MARGIN, Path, Pilot, Prediction};
 use crate::passes::transport::{BandLimit, Bounce, LARGEST};
 
 /// Coarsest level of the pyramid: cells of 32 x 32 pixels.
@@ -119,7 +119,7 @@ fn by_paths(gbuffer: &GBuffer, differentials: &Differentials, pilot: &Pilot, pix
         };
         let leaving = if near { Vector2::new(light / distance, 0.0) } else { Vector2::new(0.0, light) };
         let seen = bounce.transport(leaving, limit);
-        sum += contribution * seen.y.abs();
+        sum += contribution * seen.y.abs() * if near { NEAR_MARGIN } else { 1.0 };
         total += contribution;
     }
     if total > 0.0 { sum / total * gbuffer.pixel_angle } else { 0.0 }

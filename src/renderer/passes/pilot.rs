@@ -20,6 +20,8 @@ const LEAST_PER_LIGHT: u32 = 2;
 /// the direction to the light. The kernel that all planar lights share, `d^2 / (pi (d^2 + x^2)^2)` at the distance d, has 95 %
 /// of its energy below `0.4636 / d` cycles per world unit, which the estimator of the atlas would read as 0.65 to 0.87; the rest is a margin.
 pub(crate) const GEOMETRY_BANDWIDTH: f32 = 1.0;
+/// Factor of the bandwidth of near lights, a margin of one level: interpolation needs more than Nyquist's rate.
+pub(crate) const NEAR_MARGIN: f32 = 2.0;
 
 /// What the samples of one pilot point say, with a texture of 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -292,6 +294,7 @@ impl PointSums {
         self.published += f64::from((bandwidth.min(PUBLISHED_LARGEST) + lobe) * arriving * arriving / density);
         if distance < f32::INFINITY {
             let geometry = f64::from(GEOMETRY_BANDWIDTH.min(bandwidth));
+            let x = x * f64::from(NEAR_MARGIN);
             self.by_position += x * (mirrored + geometry) / f64::from(distance);
             self.by_normal += x * geometry;
         }

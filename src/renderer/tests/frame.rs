@@ -3,8 +3,8 @@
 use brdfit_bandwidth::{Atlas, AtlasChannels, Layout, LobeGrid, LobeOptions, compute_atlas};
 use brdfit_brdf::{Brdf, GgxBrdf, Lambert, SgdMaterial, SgdParameters};
 use brdfit_renderer::{
-    BACKGROUND, Backend, Bandwidth, Budget, Cpu, Frame, FrameInput, GBuffer, Geometry, LayerGroup, Light, Material,
-    Mode, Prefilter, Procedural, RenderOptions, Scene, SceneDocument, Upsampling,
+    BACKGROUND, Backend, Bandwidth, Budget, Cpu, Frame, FrameInput, GBuffer, Geometry, LayerGroup, Light, LightSet,
+    Material, Mode, Prefilter, Procedural, RenderOptions, Scene, SceneDocument, Upsampling,
 };
 
 /// A sphere on a plane with a chequerboard, two materials.

@@ -28,6 +28,7 @@ const SQUARE: &str = r#"{"rect": {"corner": [-0.5, -0.5, 1], "edges": [[0, 1, 0]
 /// Stands on an edge below the floor and leans over it.
 const LEANING: &str =
     r#"{"rect": {"corner": [-0.6, 1.2, -0.4], "edges": [[1.2, 0, 0], [0, 0.6, 0.8]], "radiance": [4, 2, 1]}}"#;
+const GREY: &str = r#"{"procedural": {"kind": "uniform", "scale": 0.2}}"#;
 const SKY: &str = r#"{"procedural": {"kind": "sky", "scale": 0.3}}"#;
 
 fn render(document: &SceneDocument, options: &RenderOptions) -> (GBuffer, Vec<[f32; 3]>, FrameStatistics) {
@@ -52,7 +53,7 @@ fn form_integral(point: Vec3, polygon: &[[f64; 3]]) -> f64 {
     let mut clipped = Vec::new();
     for (n, a) in corners.iter().enumerate() {
         let b = corners[(n + 1) % corners.len()];
-        if a.z > 0.0 {
+        if a.z >= 0.0 {
             clipped.push(*a);
         }
         if a.z * b.z < 0.0 {
@@ -73,15 +74,19 @@ fn closed_form(point: Vec3, polygon: &[[f64; 3]]) -> [f64; 3] {
     [0.8, 0.5, 0.2].into_iter().zip(RADIANCE).map(|(rho, l)| rho * l * integral).collect::<Vec<_>>().try_into().unwrap()
 }
 
-/// Means over blocks of 32 x 32 pixels in which all show the floor.
-fn blocks(gbuffer: &GBuffer, value: impl Fn(usize) -> [f64; 3]) -> Vec<[f64; 3]> {
+/// Means over blocks of 32 x 32 pixels that show the floor, as all pixels up to `margin` around them do.
+fn blocks(gbuffer: &GBuffer, margin: usize, value: impl Fn(usize) -> [f64; 3]) -> Vec<[f64; 3]> {
     let mut means = Vec::new();
     let [width, height] = gbuffer.size();
-    for top in (0..height).step_by(32) {
-        for left in (0..width).step_by(32) {
-            let pixels = (0..1024).map(|n| (top + n / 32) * width + left + n % 32);
-            if pixels.clone().all(|pixel| gbuffer.material()[pixel] != BACKGROUND) {
-                let sum = pixels.map(&value).fold([0.0; 3], |sum, x| std::array::from_fn(|c| sum[c] + x[c]));
+    for top in (margin..height - margin).step_by(32) {
+        for left in (margin..width - margin).step_by(32) {
+            let square = |margin: usize| {
+                let side = 32 + 2 * margin;
+                let (top, left) = (top - margin, left - margin);
+                (0..side * side).map(move |n| (top + n / side) * width + left + n % side)
+            };
+            if square(margin).all(|pixel| gbuffer.material()[pixel] != BACKGROUND) {
+                let sum = square(0).map(&value).fold([0.0; 3], |sum, x| std::array::from_fn(|c| sum[c] + x[c]));
                 means.push(sum.map(|sum| sum / 1024.0));
             }
         }
@@ -103,11 +108,11 @@ fn a_lambertian_floor_agrees_with_the_closed_form() {
     let square = [[-0.5, -0.5, 1.0], [-0.5, 0.5, 1.0], [0.5, 0.5, 1.0], [0.5, -0.5, 1.0]];
     let leaning = [[-0.6, 1.2, -0.4], [0.6, 1.2, -0.4], [0.6, 1.8, 0.4], [-0.6, 1.8, 0.4]];
     for (light, polygon) in [(SQUARE, square), (LEANING, leaning)] {
-        let (gbuffer, image, _) = render(&scene(light, 96), &reference(256.0, 0));
-        let exact = blocks(&gbuffer, |pixel| closed_form(gbuffer.position()[pixel], &polygon));
-        let ours = blocks(&gbuffer, of_image(&image));
+        let (gbuffer, image, _) = render(&scene(light, 96), &reference(1024.0, 0));
+        let exact = blocks(&gbuffer, 0, |pixel| closed_form(gbuffer.position()[pixel], &polygon));
+        let ours = blocks(&gbuffer, 0, of_image(&image));
         let worst = largest_difference(&ours, &exact);
-        println!("{} blocks of 32 x 32, 256 samples: largest difference {worst:.1e}", exact.len());
+        println!("{} blocks of 32 x 32, 1024 samples: largest difference {worst:.1e}", exact.len());
         assert!(worst < 1e-3, "{worst}");
     }
 }
@@ -117,18 +122,17 @@ fn a_lambertian_floor_agrees_with_the_closed_form() {
 fn a_light_that_fills_the_hemisphere_shows_the_albedo() {
     let wide =
         r#"{"rect": {"corner": [-2000, -2000, 1], "edges": [[0, 4000, 0], [4000, 0, 0]], "radiance": [1, 1, 1]}}"#;
-    let (_, image, _) = render(&scene(wide, 32), &reference(1024.0, 0));
-    for channel in 0..3 {
-        let mean = image.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / image.len() as f64;
-        assert!((mean / [0.8, 0.5, 0.2][channel] - 1.0).abs() < 1.5e-3, "{mean}");
-    }
+    let (gbuffer, image, _) = render(&scene(wide, 64), &reference(1024.0, 0));
+    let worst = largest_difference(&blocks(&gbuffer, 0, of_image(&image)), &[[0.8, 0.5, 0.2]; 2]);
+    println!("light that fills the hemisphere: largest difference {worst:.1e}");
+    assert!(worst < 1e-3, "{worst}");
 }
 
 #[test]
 fn lights_add_up() {
     let mean = |lights: &str, seed: u32| {
         let (gbuffer, image, _) = render(&scene(lights, 64), &reference(256.0, seed));
-        blocks(&gbuffer, of_image(&image))
+        blocks(&gbuffer, 0, of_image(&image))
     };
     let (sky, square, leaning) = (mean(SKY, 1), mean(SQUARE, 2), mean(LEANING, 3));
     let sum = |parts: &[&Vec<[f64; 3]>]| -> Vec<[f64; 3]> {
@@ -140,31 +144,37 @@ fn lights_add_up() {
     assert!(two < 3e-3 && three < 3e-3, "{two} {three}");
 }
 
-/// Prediction and interpolation keep the mean: every mode, both geometries, with and without averages of the light.
+/// Prediction and interpolation keep the mean: every mode, both geometries, with and without averages of the light. Cells
+/// at the border of the image or the floor have no parents beyond it and do not count.
 #[test]
 fn all_modes_have_the_same_mean() {
-    let document = scene(&format!("{SQUARE}, {SKY}"), 96);
+    let document = scene(&format!("{SQUARE}, {GREY}"), 160);
     let (gbuffer, image, _) = render(&document, &reference(256.0, 0));
-    let exact = blocks(&gbuffer, of_image(&image));
+    let exact = blocks(&gbuffer, 32, of_image(&image));
     let default = RenderOptions { budget: Budget::SamplesPerPixel(64.0), seed: 1, ..RenderOptions::default() };
-    for (options, tolerance) in [
+    let cases = [
         (RenderOptions { mode: Mode::AdaptiveCounts, ..default }, 0.01),
         (RenderOptions { mode: Mode::AdaptivePixels, ..default }, 0.01),
         (default, 0.01),
         (RenderOptions { geometry: Geometry::Operators, ..default }, 0.01),
-        (RenderOptions { geometry: Geometry::OperatorsLiteral, ..default }, 0.01),
-        // the means of the sky are coarse: the bias of prefiltering
-        (RenderOptions { mode: Mode::Reference, prefilter: Prefilter::Always, ..default }, 0.02),
-        (RenderOptions { prefilter: Prefilter::Above(0.05), ..default }, 0.02),
-    ] {
+        (RenderOptions { geometry: Geometry::OperatorsPublished, ..default }, 0.01),
+        // averages of the environment have no bias where it is the same everywhere
+        (RenderOptions { mode: Mode::Reference, prefilter: Prefilter::Always, ..default }, 0.01),
+        (RenderOptions { prefilter: Prefilter::Above(0.05), ..default }, 0.01),
+    ];
+    let mut wrong = Vec::new();
+    for (options, tolerance) in cases {
         let (gbuffer, image, statistics) = render(&document, &options);
-        let worst = largest_difference(&blocks(&gbuffer, of_image(&image)), &exact);
+        let worst = largest_difference(&blocks(&gbuffer, 32, of_image(&image)), &exact);
         println!(
             "{:?}, {:?}, {:?}: {worst:.1e}, shaded {:?}",
             options.mode, options.geometry, options.prefilter, statistics.shaded
         );
-        assert!(worst < tolerance, "{options:?}: {worst}");
+        if worst >= tolerance {
+            wrong.push((options, worst));
+        }
     }
+    assert!(wrong.is_empty(), "{wrong:?}");
 }
 
 /// A rectangle in front of the floor takes the floor's pixels out of all passes, one behind it changes nothing.
