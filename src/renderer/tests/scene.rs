@@ -354,7 +354,7 @@ fn documents_are_written_as_they_are_read() {
     document["light"] = json!({ "environment": { "file": "sky.hdr", "rotation": 30 } });
     let once = read(&document).unwrap();
     assert!(
-        matches!(&once.light, LightDocument::Environment { rotation, scale, .. } if *rotation == 30.0 && *scale == 1.0)
+        matches!(&once.light, Some(LightDocument::Environment { rotation, scale, .. }) if *rotation == 30.0 && *scale == 1.0)
     );
     let written = serde_json::to_vec(&once).unwrap();
     assert_eq!(SceneDocument::read(&written).unwrap(), once);
