@@ -61,8 +61,7 @@ pub(crate) struct FitArgs {
     #[arg(long, help_heading = BATCH)]
     pub(crate) accept_non_finite: bool,
 
-    /// The distribution of normals: sgd is the shifted gamma distribution, ggx
-    /// has one shape parameter less
+    /// The microfacet model, named after its distribution of normals
     #[arg(long, value_name = "NAME", help_heading = MODEL, value_parser = models(), default_value_t)]
     pub(crate) model: ModelName,
 
@@ -101,8 +100,8 @@ pub(crate) struct FitArgs {
     #[arg(long, value_name = "DEG", help_heading = SOLVER, allow_negative_numbers = true)]
     pub(crate) cutoff_theta_d: Option<f64>,
 
-    /// A start of step 1, the shape parameters of the model (alpha,p for sgd,
-    /// alpha for ggx), may be repeated; the best result wins
+    /// A start of step 1, the shape parameters of the model (with p or
+    /// without), may be repeated; the best result wins
     /// [default for sgd: 1e-4,0.4 3e-3,0.4 0.1,0.4 0.9,0.1 1e-5,0.4]
     #[arg(long, value_name = "ALPHA[,P]", help_heading = SOLVER, value_parser = start, allow_hyphen_values = true)]
     pub(crate) start: Vec<Start>,
