@@ -132,6 +132,12 @@ impl GBuffer {
         self.eye
     }
 
+    /// Angle of a pixel at the centre of the image, `2 tan(fov_y / 2) / height`, radians.
+    #[must_use]
+    pub fn pixel_angle(&self) -> f32 {
+        self.pixel_angle
+    }
+
     /// Index of the material of each pixel, or [`BACKGROUND`].
     #[must_use]
     pub fn material(&self) -> &[u16] {
@@ -148,6 +154,18 @@ impl GBuffer {
     #[must_use]
     pub fn position(&self) -> &[Vec3] {
         &self.position
+    }
+
+    /// Unit normal at each pixel, on the side of the surface that the eye sees; zero in the background.
+    #[must_use]
+    pub fn normal(&self) -> &[Vec3] {
+        &self.normal
+    }
+
+    /// Texture coordinates at each pixel.
+    #[must_use]
+    pub fn uv(&self) -> &[[f32; 2]] {
+        &self.uv
     }
 
     /// Distance to the eye at each pixel, world units; infinite in the background.
