@@ -3,7 +3,7 @@
 //! The local bandwidth of a signal is the frequency below which 95 % of its local spectrum lies. [`Estimator`] reads it from the
 //! Daubechies wavelet transform ([`Pyramid`]) of any image: environment maps, area lights, textures. [`LobeEstimator`] does so for the
 //! outgoing lobes of a material on the angular map ([`AngularMap`]), at the resolution that each needs, and [`compute_atlas`] for
-//! all lobes, which an [`Atlas`] holds as the texture that renderers sample. [`exr`], [`ktx2`], [`sidecar`] and [`preview()`] write
+//! all lobes, which an [`Atlas`] holds as the texture that renderers sample. [`exr`], [`ktx2`] and [`sidecar`] write
 //! it, [`shader`] hands out the sampling functions.
 //!
 //! Bandwidths are in cycles per radian, or per sample where no mapping is known. Definitions: docs/theory.md, section 10; measured
@@ -22,7 +22,6 @@
 
 mod atlas;
 mod lobe;
-pub mod preview;
 mod wavelet;
 
 pub use atlas::compute::{compute_atlas, incident_direction};
@@ -37,7 +36,6 @@ pub use atlas::texture::{Atlas, AtlasChannels, LARGEST, LEVELS, Layout, Level, S
 pub use lobe::estimate::{Lobe, LobeEstimator, LobeMemory, LobeOptions};
 pub use lobe::grid::{LOBE_TEXELS, LobeGrid};
 pub use lobe::mapping::{AngularMap, COS_RIM, direction_to_position, mapping_scale, position_to_direction};
-pub use preview::{Disc, discs, png_bytes, preview};
 pub use wavelet::daubechies::{Border, HIGH, LOW, Real, analyse, synthesise};
 pub use wavelet::local_bandwidth::{Estimator, samples_per_unit};
 pub use wavelet::pyramid::{Bands, COARSEST, Pyramid, levels};

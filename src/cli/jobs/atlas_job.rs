@@ -7,10 +7,9 @@ use std::sync::{Mutex, PoisonError};
 use brdfit_bandwidth::sidecar::{
     ATLAS_SCHEMA_VERSION, AtlasDocument, AtlasOptions, FileContent, FileEntry, Provenance,
 };
-use brdfit_bandwidth::{
-    Atlas, AtlasChannels, AtlasError, Layout, LobeGrid, LobeOptions, compute_atlas, exr, ktx2, png_bytes, preview,
-};
+use brdfit_bandwidth::{Atlas, AtlasChannels, AtlasError, Layout, LobeGrid, LobeOptions, compute_atlas, exr, ktx2};
 use brdfit_brdf::Brdf;
+use brdfit_figures::png;
 use brdfit_measured::SamplePosition;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -20,6 +19,7 @@ use tracing::{debug, info};
 use crate::jobs::batch::in_pool;
 use crate::jobs::fit_job::PROGRAM;
 use crate::jobs::material_source::Origin;
+use crate::report::atlas_preview::preview;
 use crate::results::json;
 use crate::results::output;
 use crate::terminal::exit_code::Problem;
@@ -125,8 +125,8 @@ impl AtlasMaker {
             let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
             in_pool(|| compute_atlas(brdf, true, *layout, *channels, &self.grid, options)).map_err(failed)?
         };
-        let encode = |&content: &FileContent| encode(&atlas, &provenance, content);
-        let files = in_pool(|| self.job.files.par_iter().map(encode).collect::<Result<_, _>>()).map_err(failed)?;
+        let encode = |&content: &FileContent| encode(&atlas, &provenance, content, label);
+        let files = in_pool(|| self.job.files.par_iter().map(encode).collect::<Result<_, _>>())?;
         debug!(material = label, ?statistics, range = ?atlas.range(), "computed");
         let entries = self.job.entries(&provenance.source.name);
         let document = AtlasDocument::new(&atlas, provenance, options.into(), statistics, entries);
@@ -178,13 +178,17 @@ fn extension(content: FileContent) -> &'static str {
     }
 }
 
-fn encode(atlas: &Atlas, provenance: &Provenance, content: FileContent) -> Result<Vec<u8>, AtlasError> {
-    match content {
+fn encode(atlas: &Atlas, provenance: &Provenance, content: FileContent, label: &str) -> Result<Vec<u8>, Problem> {
+    let exr = |samples| exr::to_bytes(atlas, provenance, samples).map_err(|error| error.to_string());
+    let encoded = match content {
         FileContent::Ktx2Half => Ok(ktx2::to_bytes(atlas, provenance)),
-        FileContent::ExrHalf => exr::to_bytes(atlas, provenance, exr::Samples::Half),
-        FileContent::ExrFloat => exr::to_bytes(atlas, provenance, exr::Samples::Float),
-        FileContent::PngPreview => png_bytes(&preview(atlas, &provenance.source.name)),
-    }
+        FileContent::ExrHalf => exr(exr::Samples::Half),
+        FileContent::ExrFloat => exr(exr::Samples::Float),
+        FileContent::PngPreview => {
+            png::encode(&preview(atlas, &provenance.source.name)).map_err(|error| error.to_string())
+        }
+    };
+    encoded.map_err(|error| Problem::computation(format!("{label}: {error}")))
 }
 
 #[cfg(test)]

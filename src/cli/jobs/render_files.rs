@@ -1,14 +1,16 @@
 //! The files of a rendering: image with layers, picture, map of the shading, light.
 
+use std::fmt::Display;
 use std::fs;
 use std::path::Path;
 
-use brdfit_renderer::{
-    COARSEST_LEVEL, Exposure, Film, FilmError, LatLong, Light, Panel, Radiance, shown, side_by_side, to_png,
-};
+use brdfit_figures::panel::{Panel, side_by_side};
+use brdfit_figures::png;
+use brdfit_renderer::{COARSEST_LEVEL, Exposure, Film, LatLong, Light, Radiance, shown};
 
 use crate::commands::render::Frame;
 use crate::jobs::render_plan::RenderPlan;
+use crate::report::shading_map;
 use crate::results::output;
 use crate::terminal::exit_code::Problem;
 
@@ -41,7 +43,7 @@ pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Pr
     }
     encoded(&files.image, film.to_exr())?;
     if let Some(path) = &files.png {
-        encoded(path, to_png(&shown(image, gbuffer.width, *exposure)))?;
+        encoded(path, png::encode(&shown(image, gbuffer.width, *exposure)))?;
     }
     if let Some(path) = &files.map {
         write_map(path, "", rendered)?;
@@ -61,14 +63,14 @@ pub(crate) fn write_map(path: &Path, title: &str, rendered: &Rendered<'_>) -> Re
     let level = |&[level, ..]: &[f32; 3]| if level < 0.0 { u8::MAX } else { (level as u8).min(COARSEST_LEVEL as u8) };
     let levels: Vec<u8> = renderer.shading_of_pixels(gbuffer).iter().map(level).collect();
     let panels = [
-        Panel::image("image", rendered.image, gbuffer.width, rendered.exposure),
-        Panel::levels("shaded once per", &levels, gbuffer.width),
+        Panel::image("image", shown(rendered.image, gbuffer.width, rendered.exposure)),
+        shading_map::panel(&levels, gbuffer.width),
     ];
-    encoded(path, to_png(&side_by_side(title, &panels, 2)))
+    encoded(path, png::encode(&side_by_side(title, &panels, 2)))
 }
 
 /// Writes what an encoder made.
-fn encoded(path: &Path, bytes: Result<Vec<u8>, FilmError>) -> Result<(), Problem> {
+fn encoded(path: &Path, bytes: Result<Vec<u8>, impl Display>) -> Result<(), Problem> {
     match bytes {
         Ok(bytes) => output::write(path, &bytes),
         Err(error) => Err(Problem::computation(format!("{}: {error}", path.display()))),
@@ -76,7 +78,7 @@ fn encoded(path: &Path, bytes: Result<Vec<u8>, FilmError>) -> Result<(), Problem
 }
 
 /// The light by latitude and longitude, with a layer of its bandwidth.
-fn light_map(light: &Light, frame: &Frame) -> Result<Vec<u8>, FilmError> {
+fn light_map(light: &Light, frame: &Frame) -> Result<Vec<u8>, brdfit_renderer::FilmError> {
     let [width, height] = LIGHT_MAP;
     let map = light.to_lat_long(width, height);
     let bandwidth = (0..width * height).map(|pixel| {

@@ -4,16 +4,20 @@
 //! table that is at the same time the legend are what makes the picture readable, and the same document gives the same
 //! bytes whatever else the process has drawn.
 
-mod axis;
 mod panel;
-mod svg;
 
 use std::fmt::Write;
 
-use axis::{AngleAxis, LogAxis};
+use brdfit_figures::axis::{AngleAxis, LogAxis};
+use brdfit_figures::svg::{escape, indexed, number};
 use brdfit_fit::document::{CHANNELS, ChannelFit, ErrorPanel, FitDocument};
 use panel::{BOTTOM, COLOURS, LINE_WIDTHS, Panel, below_axis_marker, marker};
-use svg::{escape, indexed, number, put};
+
+/// Appends a formatted line. Writing to a string cannot fail.
+macro_rules! put {
+    ($out:expr, $($text:tt)*) => {{ let _ = writeln!($out, $($text)*); }};
+}
+use put;
 
 const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 604.0;
