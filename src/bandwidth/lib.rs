@@ -21,22 +21,24 @@
 #![forbid(unsafe_code)]
 
 mod atlas;
+#[cfg(feature = "files")]
+mod files;
 mod lobe;
 mod wavelet;
 
 pub use atlas::compute::{compute_atlas, incident_direction};
 pub use atlas::error::AtlasError;
-pub use atlas::exr;
 pub use atlas::f16_round_up::f16_rounded_up;
-pub use atlas::ktx2;
 pub use atlas::sampling::AtlasPlace;
 pub use atlas::shader::{ShaderLanguage, shader};
 pub use atlas::sidecar;
 pub use atlas::texture::{Atlas, AtlasChannels, LARGEST, LEVELS, Layout, Level, SIZE, TILE, TILES, UNITS, level_size};
+#[cfg(feature = "files")]
+pub use files::{exr, ktx2};
 pub use lobe::estimate::{Lobe, LobeEstimator, LobeMemory, LobeOptions};
 pub use lobe::grid::{LOBE_TEXELS, LobeGrid};
 pub use lobe::mapping::{AngularMap, COS_RIM, direction_to_position, mapping_scale, position_to_direction};
 pub use wavelet::daubechies::{Border, HIGH, LOW, Real, analyse, synthesise};
 pub use wavelet::local_bandwidth::{Estimator, samples_per_unit};
-pub use wavelet::pyramid::{Bands, COARSEST, Pyramid, levels};
+pub use wavelet::pyramid::{Bands, COARSEST, Pyramid, level_count};
 pub use wavelet::spectrum::Rule;
