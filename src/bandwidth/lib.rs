@@ -1,14 +1,31 @@
 //! Local bandwidth of two-dimensional signals by wavelets, and the bandwidth atlas of a material.
 //!
+//! The atlas of a BRDF, sampled for a pair of directions:
+//!
+//! ```
+//! use brdfit_bandwidth::{AtlasChannels, AtlasPlace, Layout, LobeGrid, LobeOptions, compute_atlas};
+//! use brdfit_brdf::GgxBrdf;
+//!
+//! let material = GgxBrdf { rho_d: [0.1; 3], rho_s: [0.5; 3], m: 0.2 };
+//! let options = LobeOptions { max_resolution: 256, ..LobeOptions::default() };
+//! let grid = LobeGrid::default();
+//! let (atlas, _) = compute_atlas(&material, true, Layout::Isotropic, AtlasChannels::Max, &grid, &options)?;
+//! let (to_light, to_eye) = ([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]);
+//! let place = AtlasPlace::new(atlas.layout(), to_light, to_eye);
+//! let [cycles_per_radian, ..] = atlas.nearest(&place, 0);
+//! assert!((1.0..5.0).contains(&cycles_per_radian));
+//! # Ok::<(), brdfit_bandwidth::AtlasError>(())
+//! ```
+//!
 //! The local bandwidth of a signal is the frequency below which 95 % of its local spectrum lies. [`Estimator`] reads it from the
 //! Daubechies wavelet transform ([`Pyramid`]) of any image: environment maps, area lights, textures. [`LobeEstimator`] does so for the
 //! outgoing lobes of a material on the angular map ([`AngularMap`]), at the resolution that each needs, and [`compute_atlas`] for
-//! all lobes, which an [`Atlas`] holds as the texture that renderers sample. [`exr`], [`ktx2`] and [`sidecar`] write
-//! it, [`shader`] hands out the sampling functions.
+//! all lobes; an [`Atlas`] holds them as the texture that renderers sample. `exr` and `ktx2` write it (feature `files`, on by
+//! default), [`sidecar`] describes it, [`shader`] hands out the functions that sample it.
 //!
 //! Bandwidths are in cycles per radian, or per sample where no mapping is known. Definitions: docs/theory.md, section 10; measured
-//! errors: docs/accuracy.md. Source: Bagher et al., "Interactive rendering of acquired materials on dynamic geometry using
-//! frequency analysis", 2013, section 2.3.
+//! errors: docs/accuracy.md. Source: Bagher et al. 2013, "Interactive rendering of acquired materials on dynamic geometry using
+//! frequency analysis", section 2.3.
 //!
 //! ```
 //! use brdfit_bandwidth::Estimator;

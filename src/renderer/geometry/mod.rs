@@ -2,5 +2,6 @@
 
 pub(crate) mod differentials;
 pub(crate) mod gbuffer;
+pub(crate) mod grazing;
 pub mod octahedral;
 pub mod sobol;

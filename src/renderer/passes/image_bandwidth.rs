@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::geometry::differentials::Differentials;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
+use crate::geometry::grazing::LEAST_COSINE;
 use crate::passes::pilot::{Path, Pilot};
 use crate::passes::transport::{BandLimit, Bounce, LARGEST};
 
@@ -79,7 +80,7 @@ fn reflected(pilot: &Pilot, differentials: &Differentials, pixel: usize) -> f32 
 fn by_paths(gbuffer: &GBuffer, differentials: &Differentials, pilot: &Pilot, pixel: usize, limit: BandLimit) -> f32 {
     let point = pilot.of_pixel[pixel] as usize;
     let count = pilot.paths.len() / pilot.pixels.len();
-    let cos_theta_x = gbuffer.normal[pixel].dot(&gbuffer.view[pixel]).max(0.01);
+    let cos_theta_x = gbuffer.normal[pixel].dot(&gbuffer.view[pixel]).max(LEAST_COSINE);
     let (mut sum, mut total) = (0.0, 0.0);
     for &Path { contribution, light, lobe, cos_theta_i } in &pilot.paths[point * count..][..count] {
         let bounce = Bounce {
