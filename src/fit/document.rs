@@ -28,7 +28,7 @@ pub struct FitDocument {
     /// The model's name, "sgd".
     pub model: String,
     /// The fit of R, G and B.
-    pub channels: Vec<ChannelFit>,
+    pub channels: [ChannelFit; 3],
     /// How far the model is from the measurement on all cells; absent if it was not asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub errors: Option<ErrorPanel>,
@@ -65,7 +65,7 @@ pub struct ChannelFit {
     /// Standard errors of what the two steps estimated.
     pub standard_errors: StandardErrors,
     /// Step 1 (theta_h slice) and step 2 (theta_d slice).
-    pub steps: Vec<StepReport>,
+    pub steps: [StepReport; 2],
     /// What a reader should know before trusting a parameter.
     pub flags: Vec<Flag>,
 }

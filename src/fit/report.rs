@@ -62,7 +62,7 @@ impl FittedChannel<'_> {
         };
         let [rho_s, f0, f1] = step2.standard_errors;
         let standard_errors = StandardErrors { rho_s, f0, f1, ..self.standard_errors_of_step_1() };
-        let steps = vec![self.report_step_1(), self.report_step_2()];
+        let steps = [self.report_step_1(), self.report_step_2()];
         let flags = self.flags(&parameters, &derived, &standard_errors, &steps);
         let name = CHANNELS[self.channel].to_owned();
         Ok(ChannelFit { name, parameters, derived, standard_errors, steps, flags })

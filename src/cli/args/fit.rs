@@ -1,11 +1,11 @@
-//! `brdfit fit` as it is typed.
+//! `brdfit fit`, and `brdfit merge` for its shards, as they are typed.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::args::headings::{BATCH, OUTPUT};
 use crate::args::value_enums::{AnchorArg, ConstraintArg, LossArg, PositionArg, SolverArg};
-use crate::args::{BATCH, OUTPUT};
 
 /// Options of `brdfit fit`. Whatever is left out keeps the value of the preset.
 #[derive(Debug, Args)]
@@ -126,10 +126,23 @@ fn start(text: &str) -> Result<[f64; 2], String> {
     Ok([number(alpha)?, number(p)?])
 }
 
+/// Options of `brdfit merge`.
+#[derive(Debug, Args)]
+pub(crate) struct MergeArgs {
+    /// Folder with summary.1-of-N.json .. summary.N-of-N.json
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+}
+
+pub(super) const MERGE_EXAMPLES: &str = "\
+Examples:
+  for i in 1 2 3; do brdfit fit brdfs -o fits --shard $i/3 & done; wait
+  brdfit merge fits                  writes fits/summary.json and .csv";
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::Cli;
+    use crate::args::cli::Cli;
     use clap::CommandFactory;
 
     #[test]

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use brdfit_measured::{Dimensions, Health, HealthCheck, MerlError, MerlFile, SamplePosition};
 
-use crate::args::InfoArgs;
+use crate::args::measured::InfoArgs;
 use crate::args::value_enums::Format;
 use crate::jobs::batch;
 use crate::results::json;

@@ -8,8 +8,8 @@ use brdfit_fit::synthesise;
 use brdfit_measured::{Dimensions, SamplePosition, write_merl};
 use serde::Deserialize;
 
-use crate::args::SynthArgs;
 use crate::args::embedded_materials;
+use crate::args::measured::SynthArgs;
 use crate::jobs::synthetic_noise::Noise;
 use crate::results::documents::Document;
 use crate::results::output;
@@ -30,8 +30,7 @@ pub(crate) fn run(args: &SynthArgs, console: &Console) -> anyhow::Result<Outcome
     let position = args.sample_position.map(Into::into).or(source.sample_position).unwrap_or_default();
 
     let label = args.source.display();
-    let planes = synthesise(&source.parameters, dimensions, position)
-        .map_err(|error| Problem::invalid(format!("{label}: {error}; correct the parameter")))?;
+    let planes = synthesise(&source.parameters, dimensions, position).map_err(|error| Problem::of(&label, &error))?;
     if let Some(channel) = planes.iter().position(|plane| plane.iter().any(|f| !f.is_finite())) {
         let name = CHANNELS[channel];
         let message = format!("{label}: the model of channel {name} overflows; correct its parameters");

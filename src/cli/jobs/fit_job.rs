@@ -3,16 +3,14 @@
 use std::sync::OnceLock;
 
 use brdfit_fit::document::{ErrorPanel, FitDocument, Input, SCHEMA_VERSION};
-use brdfit_fit::{FitError, FitOptions, PanelGeometry, error_panel, fit_slices};
+use brdfit_fit::{FitOptions, PanelGeometry, error_panel, fit_slices};
 use brdfit_measured::{Dimensions, MerlError, MerlFile, Scan};
 use tracing::{debug, info};
 
 use crate::jobs::batch::in_pool;
 use crate::jobs::inputs::InputFile;
+use crate::results::folder::{PROGRAM, ResultFile, Reusable};
 use crate::terminal::exit_code::Problem;
-
-/// The program as its documents name it.
-pub(crate) const PROGRAM: &str = concat!("brdfit ", env!("CARGO_PKG_VERSION"));
 
 /// What is done with each file.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,10 +69,6 @@ impl Fitter {
         Self { job, half_turn: OnceLock::new(), full_turn: OnceLock::new() }
     }
 
-    pub(crate) fn job(&self) -> &Job {
-        &self.job
-    }
-
     /// Opens a file and, if the job says so, looks at every cell.
     ///
     /// # Errors
@@ -93,6 +87,16 @@ impl Fitter {
         Ok(Opened { file, scan, input })
     }
 
+    /// What a fit of an open file would say otherwise than a document, if anything.
+    pub(crate) fn differs(&self, document: &FitDocument, opened: &Opened) -> Option<&'static str> {
+        let input = opened.input();
+        if input.sha256.is_none() || document.input != *input {
+            return Some("the input is another one");
+        }
+        let same = document.options == self.job.options && document.errors.is_some() == self.job.panel;
+        (!same).then_some("the options are others")
+    }
+
     /// Fits an open file.
     ///
     /// # Errors
@@ -102,10 +106,7 @@ impl Fitter {
         let label = file.path().display();
         let position = self.job.options.sample_position;
         let fit = in_pool(|| fit_slices(&file.slices(position), &self.job.options));
-        let fit = fit.map_err(|error| match error {
-            FitError::FewRows { .. } => Problem::invalid(format!("{label}: {error}")),
-            _ => Problem::computation(format!("{label}: {error}")),
-        })?;
+        let fit = fit.map_err(|error| Problem::of(&label, &error))?;
         for channel in &fit.channels {
             debug!(file = %label, channel = channel.name, parameters = ?channel.parameters, flags = ?channel.flags, "fitted");
         }
@@ -122,7 +123,7 @@ impl Fitter {
             input,
             options: self.job.options.clone(),
             model: "sgd".to_owned(),
-            channels: fit.channels.into(),
+            channels: fit.channels,
             errors,
             slices: fit.slices,
         })
@@ -144,5 +145,18 @@ impl Fitter {
     fn geometry(&self, dimensions: Dimensions) -> &PanelGeometry {
         let cell = if dimensions.is_folded() { &self.half_turn } else { &self.full_turn };
         cell.get_or_init(|| in_pool(|| PanelGeometry::new(dimensions, self.job.options.sample_position)))
+    }
+}
+
+impl Reusable for FitDocument {
+    const SCHEMA_VERSION: u32 = SCHEMA_VERSION;
+    const FILE: ResultFile = ResultFile::Fit;
+
+    fn made_by(&self) -> (u32, &str) {
+        (self.schema_version, &self.program)
+    }
+
+    fn companions(&self) -> impl Iterator<Item = &str> {
+        std::iter::empty()
     }
 }

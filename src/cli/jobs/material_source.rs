@@ -145,5 +145,5 @@ impl OpenedMaterial {
 /// # Errors
 /// Parameters outside of the model's domain.
 pub(crate) fn sgd(parameters: [SgdParameters; 3], label: &str) -> Result<SgdMaterial, Problem> {
-    SgdMaterial::new(parameters).map_err(|error| Problem::invalid(format!("{label}: {error}; correct the parameter")))
+    SgdMaterial::new(parameters).map_err(|error| Problem::of(label, &error))
 }

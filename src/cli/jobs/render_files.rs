@@ -96,5 +96,5 @@ fn light_map(light: &Light, frame: &Frame) -> Result<Vec<u8>, brdfit_renderer::F
 pub(crate) fn read_image(path: &Path, [width, height]: [usize; 2]) -> Result<Vec<[f32; 3]>, Problem> {
     let bytes = fs::read(path).map_err(|error| Problem::reading(path, &error))?;
     let image = Radiance::from_exr(&bytes).and_then(|image| image.sized(width, height));
-    image.map(|image| image.pixels).map_err(|error| Problem::invalid(format!("{}: {error}", path.display())))
+    image.map(|image| image.pixels).map_err(|error| Problem::of(path.display(), &error))
 }

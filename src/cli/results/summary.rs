@@ -8,22 +8,14 @@ use brdfit_fit::FitOptions;
 use brdfit_fit::document::{CHANNELS, Failure, Flag, SCHEMA_VERSION, SummaryDocument, SummaryRow};
 use serde::Serialize;
 
-use crate::jobs::fit_job::PROGRAM;
-use crate::jobs::fit_plan::Shard;
+use crate::results::folder::{PROGRAM, ResultFolder};
 use crate::results::json;
 use crate::results::output;
+use crate::results::shard::Shard;
 use crate::terminal::exit_code::Problem;
 
 /// The document; this module knows its form, the batch its content.
 pub(crate) type Summary = SummaryDocument;
-
-/// Where the summary of a whole batch or of a shard lies.
-pub(crate) fn path(folder: &Path, shard: Option<Shard>) -> PathBuf {
-    match shard {
-        None => folder.join("summary.json"),
-        Some(shard) => folder.join(format!("summary.{shard}.json")),
-    }
-}
 
 /// An empty summary.
 pub(crate) fn new(options: FitOptions) -> Summary {
@@ -45,11 +37,11 @@ pub(crate) fn order(failure: &Failure) -> (Option<&OsStr>, &str) {
 ///
 /// # Errors
 /// As [`output::write`].
-pub(crate) fn write(folder: &Path, shard: Option<Shard>, summary: &Summary) -> Result<PathBuf, Problem> {
+pub(crate) fn write(folder: &ResultFolder, shard: Option<Shard>, summary: &Summary) -> Result<PathBuf, Problem> {
     if shard.is_none() {
-        output::write_with(&folder.join("summary.csv"), |out| write_csv(out, &summary.materials))?;
+        output::write_with(&folder.summary_table(), |out| write_csv(out, &summary.materials))?;
     }
-    let path = path(folder, shard);
+    let path = folder.summary(shard);
     output::write(&path, &json::to_vec(summary))?;
     Ok(path)
 }
