@@ -38,7 +38,7 @@ pub fn shader(language: ShaderLanguage) -> &'static str {
 mod tests {
     use super::*;
 
-    /// Both are executed and compared with the functions in Rust by scripts/check_shaders.sh.
+    /// Both are executed and compared with the functions in Rust by scripts/validate/atlas/check_shaders.sh.
     #[test]
     fn the_languages_have_the_same_functions_and_constants() {
         let [wgsl, glsl] = ShaderLanguage::ALL.map(shader);

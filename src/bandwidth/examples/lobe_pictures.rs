@@ -1,6 +1,6 @@
-//! Lobes of materials and their local bandwidth, to be drawn by scripts/lobe_pictures.py.
+//! Lobes of materials and their local bandwidth, to be drawn by scripts/figures/lobe_pictures.py.
 //!
-//!     cargo run --release --example lobe_pictures -- VALUES.f32 FIT.json|FILE.binary...      (scripts/atlas_pictures.sh)
+//!     cargo run --release --example lobe_pictures -- VALUES.f32 FIT.json|FILE.binary...      (scripts/figures/atlas_pictures.sh)
 //!
 //! Writes little-endian f32, per material and incident angle: the lobe on an angular map of 256 x 256 samples in 1/sr, and its
 //! bandwidth, 64 x 64 texels in cycles per radian; of the green channel, row by row.

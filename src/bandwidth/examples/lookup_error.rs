@@ -1,6 +1,6 @@
 //! What a look-up in an atlas returns against the bandwidth of the lobe of exactly that incident direction.
 //!
-//!     cargo run --release --example lookup_error -- FIT.json|FILE.binary...      (scripts/atlas_study.sh)
+//!     cargo run --release --example lookup_error -- FIT.json|FILE.binary...      (scripts/figures/atlas_study.sh)
 //!
 //! Pairs of directions are drawn as a renderer meets them: the incident one with the density of the projected hemisphere, the outgoing
 //! one by the material's own sampling. Prints quantiles of log2(look-up / truth), with a floor of 0.1 cycles per radian under

@@ -1,5 +1,5 @@
-//! Atlases of random values and, for random look-ups in them, what the Rust functions return; scripts/check_shaders.sh
-//! compares the shaders with it.
+//! Atlases of random values and, for random look-ups in them, what the Rust functions return;
+//! scripts/validate/atlas/check_shaders.sh compares the shaders with it.
 //!
 //!     cargo run --example sampling_vectors -- FOLDER
 //!

@@ -50,7 +50,7 @@ fn compare(name: &str, brdf: &dyn Brdf, grid: &LobeGrid, theta: f64, resolution:
 
 #[test]
 fn published_materials_at_1024() {
-    let Some(data) = materials::data::folder() else { return };
+    let Some(data) = materials::data::genuine() else { return };
     let (chrome, grid) = (materials::published(&data, "chrome"), LobeGrid::default());
     compare("chrome", &chrome, &grid, 40.0, 1024);
     compare("chrome", &chrome, &grid, 85.0, 1024);
@@ -58,7 +58,7 @@ fn published_materials_at_1024() {
 
 #[test]
 fn published_materials_at_512() {
-    let Some(data) = materials::data::folder() else { return };
+    let Some(data) = materials::data::genuine() else { return };
     let grid = LobeGrid::default();
     for (name, angles) in [
         ("chrome", &[10.0, 70.0][..]),

@@ -47,7 +47,7 @@ struct Fixture {
     readings: Vec<(f64, f32, f32)>,
 }
 
-/// Within 1e-4 of the definition in double precision (`scripts/make_lobes.py`, NumPy and PyWavelets; docs/theory.md, section 10), and
+/// Within 1e-4 of the definition in double precision (`scripts/fixtures/make_lobes.py`, NumPy and PyWavelets; docs/theory.md, section 10), and
 /// never higher for a rougher material.
 #[test]
 fn lobes_of_ggx_read_as_by_the_definition() {
@@ -211,7 +211,7 @@ fn channels_are_apart() {
 
 #[test]
 fn published_mirrors_are_resolved() {
-    let Some(data) = materials::data::folder() else { return };
+    let Some(data) = materials::data::genuine() else { return };
     let i = at_40_degrees();
     for name in ["chrome", "red-metallic-paint", "specular-black-phenolic"] {
         let lobe = lobe(&materials::published(&data, name), &i, true, at_most(1024));

@@ -1,4 +1,4 @@
-//! The model against vectors that mpmath computed from the printed definitions (`scripts/make_*.py`). Each test prints the
+//! The model against vectors that mpmath computed from the printed definitions (`scripts/fixtures/make_*.py`). Each test prints the
 //! largest error that it saw: those are the figures of docs/accuracy.md.
 
 use brdfit_brdf::direction;

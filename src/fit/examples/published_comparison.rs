@@ -1,5 +1,5 @@
 //! Our fits against the published parameters of 100 materials: one JSON line per channel, which
-//! `scripts/published_table.py` turns into docs/published_comparison.md.
+//! `scripts/reference/published_table.py` turns into docs/published_comparison.md.
 //!
 //! `published_comparison TABLE.json reconstruction POSITION FILE.binary...` fits the files (named after their materials) and
 //! judges both parameter sets on them. `published_comparison TABLE.json recovery POSITION` makes files from the published

@@ -2,21 +2,9 @@
 
 use brdfit_brdf::{G1ClosedForm, G1Curve, SgdParameters, ShiftedGamma};
 use brdfit_fit::fit_g1;
-use std::path::PathBuf;
 
-/// The test data: `BRDFIT_DATA`, else `../shared/data` beside the workspace. Without it a test is skipped, loudly, and fails
-/// where `CI=true`.
-fn data() -> Option<PathBuf> {
-    let root = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
-    let data = std::env::var_os("BRDFIT_DATA").map_or(root.join("../shared/data"), |path| root.join(path));
-    if data.is_dir() {
-        return Some(data);
-    }
-    assert!(std::env::var("CI").as_deref() != Ok("true"), "CI needs the test data: {} is not a folder", data.display());
-    println!("SKIPPED: no test data in {}; set BRDFIT_DATA", data.display());
-    eprintln!("SKIPPED: no test data in {}; set BRDFIT_DATA", data.display());
-    None
-}
+#[path = "../../measured/tests/data/folder.rs"]
+mod data;
 
 struct Published {
     name: String,
@@ -26,7 +14,7 @@ struct Published {
 }
 
 fn published() -> Option<Vec<Published>> {
-    let path = data()?.join("tables/sgd_published.json");
+    let path = data::genuine()?.join("tables/sgd_published.json");
     let table: serde_json::Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
     let mut channels = Vec::new();
     for (name, material) in table.as_object().unwrap() {

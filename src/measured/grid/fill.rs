@@ -137,7 +137,7 @@ mod tests {
         (0..3).map(|n| STEP_SQUARES[n] * (a[n].abs_diff(b[n]) as i32).pow(2)).sum()
     }
 
-    /// scipy.ndimage.distance_transform_edt, by scripts/make_fill.py: each source is as near as the oracle's, and where no
+    /// scipy.ndimage.distance_transform_edt, by scripts/fixtures/make_fill.py: each source is as near as the oracle's, and where no
     /// other is as near, it is the oracle's.
     #[test]
     fn agrees_with_scipy() {

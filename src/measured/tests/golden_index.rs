@@ -1,5 +1,5 @@
 //! The index maps and sample positions against golden values made with 40 digits by an independent reader
-//! (`scripts/make_index.py`).
+//! (`scripts/fixtures/make_index.py`).
 
 use std::path::Path;
 

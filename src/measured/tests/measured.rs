@@ -46,7 +46,7 @@ fn opened(data: &Path) -> Vec<(MerlFile, Scan)> {
 
 #[test]
 fn the_mask_of_the_genuine_files_has_the_known_counts() {
-    let Some(data) = data::folder() else { return };
+    let Some(data) = data::genuine() else { return };
     let mask = genuine_mask(&data);
     assert_eq!(mask.count(), 1_152_174);
     assert_eq!(counts(&mask, SamplePosition::Edge), (923_870, 1_111_430));
@@ -55,7 +55,7 @@ fn the_mask_of_the_genuine_files_has_the_known_counts() {
 
 #[test]
 fn all_masks_have_the_golden_counts() {
-    let Some(data) = data::folder() else { return };
+    let Some(data) = data::genuine() else { return };
     let mut masks = vec![("genuine mask".to_owned(), genuine_mask(&data))];
     for (file, scan) in opened(&data) {
         let name = file.path().file_stem().unwrap().to_string_lossy().into_owned();
@@ -127,7 +127,7 @@ fn examined(data: &Path) -> Vec<Health> {
 
 #[test]
 fn colours_out_of_gamut_are_found() {
-    let Some(data) = data::folder() else { return };
+    let Some(data) = data::genuine() else { return };
     for health in examined(&data) {
         let zero = health.channels.each_ref().map(|channel| channel.zero_peak);
         let expected = ["chm_mint.binary", "vch_silk_blue.binary"].contains(&health.name.as_str());
@@ -137,7 +137,7 @@ fn colours_out_of_gamut_are_found() {
 
 #[test]
 fn regions_are_a_partition_and_agree_with_the_scan() {
-    let Some(data) = data::folder() else { return };
+    let Some(data) = data::genuine() else { return };
     for (health, (_, scan)) in examined(&data).iter().zip(opened(&data)) {
         let r = &health.regions;
         assert_eq!(r.interior.cells + r.grazing.cells + r.below_horizon.cells, 1_458_000);
@@ -153,7 +153,7 @@ fn regions_are_a_partition_and_agree_with_the_scan() {
 /// White paper reflects most of the light and never more than all of it, at every angle that was measured well.
 #[test]
 fn the_albedo_of_paper_is_that_of_paper() {
-    let Some(data) = data::folder() else { return };
+    let Some(data) = data::genuine() else { return };
     let paper = examined(&data).into_iter().find(|health| health.name == "paper_white.binary").unwrap();
     for values in &paper.albedo.values {
         assert!(values[..3].iter().all(|albedo| (0.6..1.02).contains(albedo)), "{:?}", paper.albedo);

@@ -1,4 +1,4 @@
-//! Finds the measured data, which is not part of the repository, and unpacks it into the target folder.
+//! Finds the measured files and unpacks them into the target folder.
 
 use std::fs::{self, File};
 use std::io::{BufReader, Read};
@@ -6,20 +6,10 @@ use std::path::{Path, PathBuf};
 
 use lzma_rust2::XzReader;
 
-/// The folder of the test data: `BRDFIT_DATA`, else `../shared/data` counted from the workspace's root.
-///
-/// Without it tests are skipped, loudly; where `CI=true` they fail.
-pub(crate) fn folder() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = std::env::var_os("BRDFIT_DATA").map_or_else(|| root.join("../shared/data"), |path| root.join(path));
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    let missing = format!("no test data at {} (set BRDFIT_DATA)", folder.display());
-    assert!(std::env::var("CI").as_deref() != Ok("true"), "{missing}");
-    eprintln!("SKIPPED: {missing}");
-    None
-}
+mod folder;
+
+#[allow(unused_imports)] // no test program needs both
+pub(crate) use folder::{folder, genuine};
 
 /// The contents of an xz file.
 pub(crate) fn unpacked(path: &Path) -> Vec<u8> {
@@ -33,7 +23,11 @@ pub(crate) fn unpacked(path: &Path) -> Vec<u8> {
 
 /// The measured files in the order of their names, unpacked once into the target folder and found there later.
 pub(crate) fn measured(data: &Path) -> Vec<PathBuf> {
-    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("measured");
+    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join(if folder::holds_stand_ins(data) {
+        "stand-ins"
+    } else {
+        "measured"
+    });
     fs::create_dir_all(&cache).unwrap();
     let mut files: Vec<PathBuf> = fs::read_dir(data.join("measured"))
         .unwrap()
