@@ -181,6 +181,12 @@ mod tests {
 
     /// A document with the given name and curves over three angles in each slice.
     fn document(name: &str, measured: Value, fitted: Value) -> FitDocument {
+        let step = |name: &str| {
+            json!({
+                "name": name, "solver": "convex", "rows": 3, "cost": 0.0, "residual_norm": 0.0, "iterations": 0,
+                "termination": "gtol", "start": 0, "active_bounds": [], "condition_number": 1.0
+            })
+        };
         let channel = |name: &str| {
             json!({
                 "name": name,
@@ -189,7 +195,7 @@ mod tests {
                     "K": 1.0, "fr": 0.05, "anchor": 1.0, "albedo": [0.1, 0.1, 0.1, 0.1], "fresnel_range": [0.1, 1.0],
                     "g1": { "lambda": 1.0, "theta0": 0.5, "k": 3.0, "log10_c": 0.0, "max_error": 0.0, "rms_error": 0.0 }
                 },
-                "standard_errors": {}, "steps": [], "flags": []
+                "standard_errors": {}, "steps": [step("theta_h"), step("theta_d")], "flags": []
             })
         };
         let both = |curve: Value| {
