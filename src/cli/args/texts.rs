@@ -14,7 +14,7 @@ use crate::exporters::formats::{FORMATS, Format};
 pub(crate) struct ExportArgs {
     /// The shading language
     #[arg(value_name = "LANGUAGE", value_parser = PossibleValuesParser::new(FORMATS.iter().map(possible_value)))]
-    pub(crate) format: String,
+    pub(crate) language: String,
 
     /// The file to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]

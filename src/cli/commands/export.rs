@@ -6,8 +6,8 @@ use crate::results::output;
 use crate::terminal::exit_code::{Outcome, Problem};
 
 pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
-    let format = formats::find(&args.format)
-        .ok_or_else(|| Problem::usage(format!("{}: no such format; see brdfit export --help", args.format)))?;
+    let format = formats::find(&args.language)
+        .ok_or_else(|| Problem::usage(format!("{}: no such format; see brdfit export --help", args.language)))?;
     output::deliver(args.output.as_deref(), &format.exporter.export())?;
     Ok(Outcome::Done)
 }
