@@ -6,6 +6,7 @@
 
 mod args;
 mod commands;
+mod exporters;
 mod jobs;
 mod report;
 mod results;
@@ -13,7 +14,7 @@ mod terminal;
 
 use std::process::ExitCode;
 
-use args::{Cli, Command};
+use args::cli::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
 use commands::{atlas, compare, completions, demo, export, fit, info, man, merge, render, schema, synth};
 use results::output;
@@ -56,7 +57,7 @@ fn run(cli: &Cli, console: &Console) -> anyhow::Result<Outcome> {
 
 /// Reads the command line. `--color` counts for the help and the errors of this step too.
 fn parse() -> Result<Cli, clap::Error> {
-    let color = args::color_of(std::env::args_os().skip(1));
+    let color = args::cli::color_of(std::env::args_os().skip(1));
     Cli::from_arg_matches(&Cli::command().color(color).try_get_matches()?)
 }
 

@@ -23,7 +23,7 @@ pub struct FitDocument {
     /// The model.
     pub model: ModelName,
     /// The fit of R, G and B.
-    pub channels: Vec<ChannelFit>,
+    pub channels: [ChannelFit; 3],
     /// How far the model is from the measurement on all cells; absent if it was not asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub errors: Option<ErrorPanel>,
@@ -62,7 +62,7 @@ pub struct ChannelFit {
     /// 1, rho_s, f0 and f1 those of step 2.
     pub standard_errors: NamedValues<Option<f64>>,
     /// Step 1 (theta_h slice) and step 2 (theta_d slice).
-    pub steps: Vec<StepReport>,
+    pub steps: [StepReport; 2],
     /// What a reader should know before trusting a parameter.
     pub flags: Vec<Flag>,
 }

@@ -105,6 +105,31 @@ fn resume_skips_what_is_done_and_nothing_else() {
     assert_eq!(stderr, "4 fitted: out/summary.json\n");
 }
 
+/// Whole documents in the program's own form, but for the number of channels or of steps.
+#[test]
+fn resume_does_again_what_has_other_than_three_channels_and_two_steps() {
+    let place = four();
+    place.succeed("fit in -o out --no-panel");
+    let bytes = place.files("out");
+    let change = |name: &str, change: fn(&str) -> String| {
+        let text = String::from_utf8(bytes[name].clone()).unwrap();
+        let (before, list) = text.split_once("\"channels\": [").unwrap();
+        let (channels, after) = list.split_once("\n  ]").unwrap();
+        let changed = change(channels);
+        assert_ne!(changed, channels);
+        place.put(&format!("out/{name}"), format!("{before}\"channels\": [{changed}{after}"));
+    };
+    change("a.json", |_| "]".to_owned());
+    change("b.json", |channels| format!("{}\n    }}\n  ]", channels.split_once("\n    },").unwrap().0));
+    change("c.json", |channels| {
+        let (before, steps) = channels.split_once("\"steps\": [").unwrap();
+        format!("{before}\"steps\": []{}\n  ]", steps.split_once("\n      ]").unwrap().1)
+    });
+    let ran = place.run("fit in -o out --no-panel --resume");
+    assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), "4 fitted (1 were there already): out/summary.json\n"));
+    assert_eq!(place.files("out"), bytes);
+}
+
 #[test]
 fn an_interrupted_batch_exits_with_130_and_leaves_whole_files_only() {
     let place = four();

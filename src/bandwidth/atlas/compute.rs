@@ -26,7 +26,7 @@ pub fn incident_direction(layout: Layout, tile: usize) -> Direction {
     }
 }
 
-/// Precomputes the bandwidth atlas of a material (paper 000, section 2.3; docs/theory.md) on the threads of the current rayon pool.
+/// Precomputes the bandwidth atlas of a material (Bagher 2013, section 2.3; docs/theory.md) on the threads of the current rayon pool.
 ///
 /// The material's [`Symmetry`] saves work: of a mirror symmetric one the isotropic layout computes half, the hemisphere layout a
 /// quarter. The same input gives the same bytes for every number of threads.
@@ -52,23 +52,33 @@ pub fn compute_atlas(
     let lobes = LobeEstimator::new(brdf, grid, mirrored, *options);
     // reflections of the material's own lobes need not be computed, where the estimate of a reflection is the reflected estimate
     let folded = layout == Layout::Hemisphere && mirrored && options.estimator.reflections;
-    let computed = |tile: usize| !folded || (tile / TILES < TILES / 2 && tile % TILES < TILES / 2);
+    let tiles = estimate_tiles(&lobes, layout, folded);
+    let atlas = Atlas::from_level0(layout, channels, level0(&tiles, channels))?;
+    Ok((atlas, statistics(&tiles)))
+}
+
+/// The lobes of all tiles; where they are `folded`, those of one quadrant are estimated and the others are their reflections.
+fn estimate_tiles(lobes: &LobeEstimator<'_>, layout: Layout, folded: bool) -> Vec<Lobe> {
+    let fold = |n: usize| if folded { n.min(TILES - 1 - n) } else { n };
+    let source = |tile: usize| fold(tile / TILES) * TILES + fold(tile % TILES);
     let mut tiles: Vec<Option<Lobe>> = (0..TILES * TILES)
         .into_par_iter()
         .map_init(LobeMemory::default, |memory, tile| {
-            computed(tile).then(|| lobes.estimate(&incident_direction(layout, tile), memory))
+            (source(tile) == tile).then(|| lobes.estimate(&incident_direction(layout, tile), memory))
         })
         .collect();
     for tile in 0..tiles.len() {
         if tiles[tile].is_none() {
             let (row, column) = (tile / TILES, tile % TILES);
-            let fold = |n: usize| n.min(TILES - 1 - n);
-            let source = tiles[fold(row) * TILES + fold(column)].as_ref();
-            tiles[tile] = source.map(|lobe| reflected(lobe, row != fold(row), column != fold(column)));
+            let lobe = tiles[source(tile)].as_ref();
+            tiles[tile] = lobe.map(|lobe| reflected(lobe, row != fold(row), column != fold(column)));
         }
     }
-    let tiles: Vec<Lobe> = tiles.into_iter().flatten().collect();
+    tiles.into_iter().flatten().collect()
+}
 
+/// The texels of level 0, the tiles side by side.
+fn level0(tiles: &[Lobe], channels: AtlasChannels) -> Vec<f32> {
     let mut texels = Vec::with_capacity(SIZE * SIZE * channels.count());
     for row in 0..SIZE {
         for column in 0..TILES {
@@ -83,15 +93,18 @@ pub fn compute_atlas(
             }
         }
     }
+    texels
+}
+
+fn statistics(tiles: &[Lobe]) -> AtlasStatistics {
     let count = |resolution: usize| TileCount {
         resolution: size(resolution) as u32,
         tiles: tiles.iter().filter(|lobe| lobe.resolution == size(resolution)).count(),
     };
-    let statistics = AtlasStatistics {
+    AtlasStatistics {
         tiles_per_resolution: (0..RESOLUTIONS).map(count).collect(),
         saturated_tiles: (0..tiles.len()).filter(|&tile| tiles[tile].saturated).collect(),
-    };
-    Ok((Atlas::from_level0(layout, channels, texels)?, statistics))
+    }
 }
 
 /// The lobe seen in a mirror.

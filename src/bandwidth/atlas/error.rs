@@ -44,12 +44,4 @@ impl AtlasError {
     pub fn is_invalid_input(&self) -> bool {
         !matches!(self, Self::Io(_))
     }
-
-    pub(crate) fn damaged(why: impl Into<String>) -> Self {
-        Self::Damaged { why: why.into() }
-    }
-
-    pub(crate) fn unsupported(why: impl Into<String>) -> Self {
-        Self::Unsupported { why: why.into() }
-    }
 }

@@ -38,10 +38,6 @@ impl Layout {
             Self::Hemisphere => "hemisphere",
         }
     }
-
-    pub(crate) fn from_name(name: &str) -> Option<Self> {
-        [Self::Isotropic, Self::Hemisphere].into_iter().find(|layout| layout.name() == name)
-    }
 }
 
 /// What a texel holds.
@@ -145,34 +141,6 @@ impl Atlas {
         Ok(Self { layout, channels, levels })
     }
 
-    /// The atlas of a file that stored every level; `levels[k]` has the length of level k.
-    ///
-    /// # Errors
-    /// [`AtlasError::Damaged`] if a texel cannot be a bandwidth or a level is not the maximum of the one before.
-    pub(crate) fn from_levels(
-        layout: Layout,
-        channels: AtlasChannels,
-        levels: Vec<Vec<f32>>,
-    ) -> Result<Self, AtlasError> {
-        let mut stored = levels.into_iter();
-        let level0 = stored.next().unwrap_or_default();
-        let atlas = Self::from_level0(layout, channels, level0).map_err(|error| match error {
-            AtlasError::Texels { why } => AtlasError::damaged(why),
-            other => other,
-        })?;
-        for (k, (texels, level)) in (1..).zip(stored.zip(&atlas.levels[1..])) {
-            if let Some(at) = texels.iter().zip(&level.texels).position(|(a, b)| a != b) {
-                let (stored, right) = (texels[at], level.texels[at]);
-                let place = place(k, level, channels, at);
-                return Err(AtlasError::damaged(format!(
-                    "{place} is {stored} where the maximum of level {} is {right}",
-                    k - 1
-                )));
-            }
-        }
-        Ok(atlas)
-    }
-
     /// Which incident directions the tiles stand for.
     #[must_use]
     pub fn layout(&self) -> Layout {
@@ -247,7 +215,7 @@ fn check_values(k: usize, level: &Level, channels: AtlasChannels) -> Result<(), 
 }
 
 /// Names the value at index `at` of a level.
-fn place(k: usize, level: &Level, channels: AtlasChannels, at: usize) -> String {
+pub(crate) fn place(k: usize, level: &Level, channels: AtlasChannels, at: usize) -> String {
     let (texel, channel) = (at / channels.count(), channels.names()[at % channels.count()]);
     format!("level {k}, row {}, column {}, channel {channel}", texel / level.size, texel % level.size)
 }

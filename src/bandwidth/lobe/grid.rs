@@ -13,7 +13,7 @@ pub const LOBE_TEXELS: usize = 64;
 pub(crate) const BASE: usize = 256;
 
 /// Levels of the transform at the coarsest resolution.
-pub(crate) const LEVELS: usize = 6;
+pub(crate) const BASE_LEVELS: usize = 6;
 
 /// Resolutions: 256, 512, 1024.
 pub(crate) const RESOLUTIONS: usize = 3;
@@ -76,13 +76,13 @@ impl LobeGrid {
 }
 
 /// A material made ready to be sampled on a [`LobeGrid`].
-pub(crate) struct LobeSamples<'a> {
+pub(crate) struct LobeSampler<'a> {
     brdf: &'a dyn Brdf,
     grid: &'a LobeGrid,
     prepared: [Vec<OnceLock<Box<dyn FixedOutgoing + 'a>>>; RESOLUTIONS],
 }
 
-impl<'a> LobeSamples<'a> {
+impl<'a> LobeSampler<'a> {
     pub(crate) fn new(brdf: &'a dyn Brdf, grid: &'a LobeGrid) -> Self {
         Self { brdf, grid, prepared: std::array::from_fn(|_| (0..STRIPS).map(|_| OnceLock::new()).collect()) }
     }
@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn rows_are_those_of_the_angular_map() {
         let (grid, i) = (LobeGrid::default(), direction(0.3, 0.0));
-        let samples = LobeSamples::new(&Coordinates, &grid);
+        let samples = LobeSampler::new(&Coordinates, &grid);
         for resolution in 0..RESOLUTIONS {
             let map = AngularMap::new(size(resolution));
             for row in [0, 1, size(resolution) / 2 - 1, size(resolution) / 2, size(resolution) - 1] {

@@ -4,5 +4,7 @@ pub(crate) mod estimate;
 pub(crate) mod grid;
 pub(crate) mod map;
 pub(crate) mod mapping;
+pub(crate) mod sampled;
+pub(crate) mod transform;
 pub(crate) mod window_choice;
 pub(crate) mod window_filter;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::lobe::grid::{LEVELS, LOBE_TEXELS, RESOLUTIONS};
+use crate::lobe::grid::{BASE_LEVELS, LOBE_TEXELS, RESOLUTIONS};
 use crate::lobe::window_filter::Window;
 use crate::wavelet::energy::{Energies, LevelEnergy, Plane};
 
@@ -108,7 +108,7 @@ fn counted(energies: &Energies, resolution: usize, delta: f64, [row, column]: [u
     // half the limit: the neighbours' share in the interpolation
     let counts = |all: f32| f64::from(finest) > 0.5 * delta * delta * f64::from(all);
     // from the coarsest level on: most texels are settled there
-    let shift = LEVELS - 2;
+    let shift = BASE_LEVELS - 2;
     let mut all = energies.mean.values[(row >> shift) * energies.mean.columns + (column >> shift)];
     for level in (0..energies.levels.len()).rev() {
         if !counts(all) {

@@ -8,8 +8,8 @@
 use std::ops::Range;
 
 use crate::wavelet::daubechies::{Border, LOW, four_taps};
-use crate::wavelet::pyramid::{Bands, step};
-use crate::wavelet::simd_dispatch::vectorise;
+use crate::wavelet::pyramid::{Bands, Image, step};
+use crate::wavelet::simd_dispatch::dispatch_simd;
 
 /// Samples of a part of an image; rows and columns outside the image repeat it reflected.
 #[derive(Clone, Debug, Default)]
@@ -109,7 +109,7 @@ impl Patch {
         let weights = smooth_taps(levels);
         let columns = out.columns;
         scratch.resize(self.rows * columns, 0.0);
-        vectorise(
+        dispatch_simd(
             #[inline(always)]
             || {
                 for (out, row) in scratch.chunks_exact_mut(columns).zip(self.values.chunks_exact(self.columns)) {
@@ -126,7 +126,8 @@ impl Patch {
     /// samples, to `bands` (the window alone), and its approximation over that of `coarse`.
     pub(crate) fn filter(&self, coarse: &mut Self, bands: &mut Bands<f32>, memory: &mut FilterMemory) {
         let FilterMemory { approximation, bands: all, scratch } = memory;
-        step(&self.values, self.rows, self.columns, Border::Reflect, approximation, all, scratch);
+        let image = Image { samples: &self.values, rows: self.rows, columns: self.columns };
+        step(image, Border::Reflect, approximation, all, scratch);
         // the outermost coefficients saw the end of the patch
         let (rows, columns) = (self.rows / 2 - 2, self.columns / 2 - 2);
         let inner = |r: usize| (r + 1) * all.columns + 1..(r + 1) * all.columns + 1 + columns;
@@ -231,7 +232,8 @@ mod tests {
         const SIZE: usize = 32;
         let whole = noise(0..SIZE as isize, 0..SIZE as isize, SIZE);
         let (mut low, mut all) = (Vec::new(), Bands::default());
-        step(&whole.values, SIZE, SIZE, Border::Reflect, &mut low, &mut all, &mut Vec::new());
+        let image = Image { samples: &whole.values, rows: SIZE, columns: SIZE };
+        step(image, Border::Reflect, &mut low, &mut all, &mut Vec::new());
         for (rows, columns) in [(8..20, 4..16), (0..8, 24..32), (0..32, 0..32)] {
             let wider = |range: &Range<isize>| range.start - 2..range.end + 2;
             let patch = noise(wider(&rows), wider(&columns), SIZE);

@@ -1,7 +1,7 @@
 //! Energy per band: squared coefficients per pixel, averaged over the reflections of the image.
 
 use crate::wavelet::pyramid::{Bands, Pyramid};
-use crate::wavelet::simd_dispatch::vectorise;
+use crate::wavelet::simd_dispatch::dispatch_simd;
 
 /// Energies of square blocks of pixels, per pixel, row-major.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,7 +52,7 @@ impl Plane {
         let (rows, columns) = (self.rows, self.columns);
         let first = first.unwrap_or_default();
         assert_eq!(first.len(), rows * columns, "a band of another shape");
-        vectorise(
+        dispatch_simd(
             #[inline(always)]
             || {
                 for (r, row) in self.values.chunks_exact_mut(columns).enumerate() {
@@ -165,7 +165,7 @@ fn blocks(level: usize) -> f32 {
 mod tests {
     use super::*;
     use crate::wavelet::daubechies::Border;
-    use crate::wavelet::energy_interpolation::{Axis, expand_row};
+    use crate::wavelet::energy_interpolation::{Axis, RowSamples, interpolate_row};
 
     #[derive(serde::Deserialize)]
     struct Fixture {
@@ -211,7 +211,8 @@ mod tests {
                 let (r, c, total) = (probe[0] as usize, probe[1] as usize, probe[10]);
                 let at = |plane: &Plane, level: usize| {
                     let mut row = [0.0; 64];
-                    expand_row(plane, level, (&axis, r), (&axis, 0..16), &mut row, &mut [0.0; 68]);
+                    let samples = RowSamples { rows: &axis, row: r, columns: &axis, cells: 0..16 };
+                    interpolate_row(plane, level, &samples, &mut row, &mut [0.0; 68]);
                     f64::from(row[c])
                 };
                 let mut sum = at(&energies.mean, 3);

@@ -38,25 +38,47 @@ fn mix(a: f32, b: f32, t: f32) -> f32 {
     a * (1.0 - t) + b * t
 }
 
-/// Writes the energies of a level at the samples of some cells of row `row`: linear between the centres of blocks, held outside the
-/// outermost ones. `scratch` holds at least half as many values as there are samples, and 4 more.
+/// Samples along a part of a row.
+#[derive(Clone)]
+pub(crate) struct RowSamples<'a> {
+    pub(crate) rows: &'a Axis,
+    pub(crate) row: usize,
+    pub(crate) columns: &'a Axis,
+    /// Four samples in each.
+    pub(crate) cells: Range<usize>,
+}
+
+/// Writes the energies of a level at samples of a row: linear between the centres of blocks, held outside the outermost ones.
+/// `scratch` holds at least half as many values as there are samples, and 4 more.
 #[inline(always)]
-pub(crate) fn expand_row(
+pub(crate) fn interpolate_row(
     plane: &Plane,
     level: usize,
-    (rows, row): (&Axis, usize),
-    (columns, cells): (&Axis, Range<usize>),
+    samples: &RowSamples<'_>,
     out: &mut [f32],
     scratch: &mut [f32],
 ) {
-    let (k, t) = rows.place(level, row);
+    let (start, end) = (4 * samples.cells.start, 4 * samples.cells.end);
+    let first = samples.columns.place(level, start).0;
+    let last = samples.columns.place(level, end - 1).0;
+    let blocks = &mut scratch[..last + 2 - first];
+    mix_lines(plane, samples.rows.place(level, samples.row), first..last, blocks);
+    let fractions = &samples.columns.fractions[level][start..end];
+    match level {
+        0 => across_half_cells(blocks, fractions, out),
+        1 => across_cells(blocks, fractions, out),
+        _ => across_many_cells(blocks, fractions, out, |k| {
+            // half a block at either end
+            ((2 * (first + k) + 1) << level).min(end) - start
+        }),
+    }
+}
+
+/// Mixes the two lines of blocks next to a row: `blocks[n]` is block `first + n - 1`, held at both ends.
+#[inline(always)]
+fn mix_lines(plane: &Plane, (k, t): (usize, f32), Range { start: first, end: last }: Range<usize>, blocks: &mut [f32]) {
     let line = |k: usize| &plane.values[k * plane.columns..][..plane.columns];
     let (upper, lower) = (line(k.saturating_sub(1)), line(k.min(plane.rows - 1)));
-    // blocks[n] is block first + n - 1, held at both ends
-    let (start, end) = (4 * cells.start, 4 * cells.end);
-    let first = columns.place(level, start).0;
-    let last = columns.place(level, end - 1).0;
-    let blocks = &mut scratch[..last + 2 - first];
     let at = |k: usize| mix(upper[k], lower[k], t);
     blocks[0] = at(first.saturating_sub(1));
     let inner = first..last.min(plane.columns);
@@ -64,38 +86,41 @@ pub(crate) fn expand_row(
         *out = mix(*upper, *lower, t);
     }
     blocks[last + 1 - first] = at(last.min(plane.columns - 1));
-    let fractions = &columns.fractions[level][start..end];
-    match level {
-        0 => {
-            let near = blocks.windows(4).step_by(2);
-            for ((out, t), near) in out.chunks_exact_mut(4).zip(fractions.chunks_exact(4)).zip(near) {
-                out[0] = mix(near[0], near[1], t[0]);
-                out[1] = mix(near[1], near[2], t[1]);
-                out[2] = mix(near[1], near[2], t[2]);
-                out[3] = mix(near[2], near[3], t[3]);
-            }
+}
+
+/// Two blocks to a cell.
+#[inline(always)]
+fn across_half_cells(blocks: &[f32], fractions: &[f32], out: &mut [f32]) {
+    let near = blocks.windows(4).step_by(2);
+    for ((out, t), near) in out.chunks_exact_mut(4).zip(fractions.chunks_exact(4)).zip(near) {
+        out[0] = mix(near[0], near[1], t[0]);
+        out[1] = mix(near[1], near[2], t[1]);
+        out[2] = mix(near[1], near[2], t[2]);
+        out[3] = mix(near[2], near[3], t[3]);
+    }
+}
+
+/// One block to a cell.
+#[inline(always)]
+fn across_cells(blocks: &[f32], fractions: &[f32], out: &mut [f32]) {
+    for ((out, t), near) in out.chunks_exact_mut(4).zip(fractions.chunks_exact(4)).zip(blocks.windows(3)) {
+        out[0] = mix(near[0], near[1], t[0]);
+        out[1] = mix(near[0], near[1], t[1]);
+        out[2] = mix(near[1], near[2], t[2]);
+        out[3] = mix(near[1], near[2], t[3]);
+    }
+}
+
+/// Blocks of several cells, from one centre to the next: the samples between block k and the next end before `end_of(k)`.
+#[inline(always)]
+fn across_many_cells(blocks: &[f32], fractions: &[f32], out: &mut [f32], end_of: impl Fn(usize) -> usize) {
+    let mut from = 0;
+    for (k, pair) in blocks.windows(2).enumerate() {
+        let to = end_of(k);
+        for (out, t) in out[from..to].iter_mut().zip(&fractions[from..to]) {
+            *out = mix(pair[0], pair[1], *t);
         }
-        1 => {
-            for ((out, t), near) in out.chunks_exact_mut(4).zip(fractions.chunks_exact(4)).zip(blocks.windows(3)) {
-                out[0] = mix(near[0], near[1], t[0]);
-                out[1] = mix(near[0], near[1], t[1]);
-                out[2] = mix(near[1], near[2], t[2]);
-                out[3] = mix(near[1], near[2], t[3]);
-            }
-        }
-        _ => {
-            // from one centre to the next, half a block at either end
-            let half = 1 << level;
-            let mut from = start;
-            for (k, pair) in (first..).zip(blocks.windows(2)) {
-                let to = ((2 * k + 1) * half).min(end);
-                let piece = from - start..to - start;
-                for (out, t) in out[piece.clone()].iter_mut().zip(&fractions[piece]) {
-                    *out = mix(pair[0], pair[1], *t);
-                }
-                from = to;
-            }
-        }
+        from = to;
     }
 }
 
@@ -116,17 +141,28 @@ impl Pixels {
     }
 }
 
+/// Samples along a part of a row, by their pixels.
+#[derive(Clone)]
+pub(crate) struct RowPixels<'a> {
+    pub(crate) rows: &'a Pixels,
+    pub(crate) row: usize,
+    pub(crate) columns: &'a Pixels,
+    /// Four samples in each.
+    pub(crate) cells: Range<usize>,
+}
+
 /// Writes the energies of a level that is finer than half a cell and known in a window only (blocks of `2^block` pixels), zero
 /// outside the window. Tells whether the row meets the window; where neither it nor the row before does (`before`), nothing
-/// needs to be written.
-pub(crate) fn expand_window(
+/// needs to be written. `lines` is memory to be used again.
+pub(crate) fn interpolate_window_row(
     energy: &LevelEnergy,
     block: usize,
-    (row_pixels, row): (&Pixels, usize),
-    (pixels, cells): (&Pixels, Range<usize>),
+    samples: &RowPixels<'_>,
     [sides, diagonals]: [&mut [f32]; 2],
-    (before, scratch): (bool, &mut Vec<f32>),
+    before: bool,
+    lines: &mut Vec<f32>,
 ) -> bool {
+    let RowPixels { rows: row_pixels, row, columns: pixels, ref cells } = *samples;
     let (rows, columns) = (energy.sides.rows, energy.sides.columns);
     // between which blocks of the window a pixel lies, and where; none outside
     let place = |pixel: usize, first: usize, count: usize| {
@@ -145,13 +181,13 @@ pub(crate) fn expand_window(
     }
     let Some((upper, lower, t)) = meets else { return false };
     // the lines of blocks above and below, mixed once for all samples between them
-    let line = |plane: &Plane, scratch: &mut [f32]| {
+    let line = |plane: &Plane, line: &mut [f32]| {
         let (upper, lower) = (&plane.values[upper * columns..][..columns], &plane.values[lower * columns..][..columns]);
-        let mixed = scratch.iter_mut().zip(upper).zip(lower);
+        let mixed = line.iter_mut().zip(upper).zip(lower);
         mixed.for_each(|((out, upper), lower)| *out = mix(*upper, *lower, t));
     };
-    scratch.resize(2 * columns, 0.0);
-    let (side_line, diagonal_line) = scratch.split_at_mut(columns);
+    lines.resize(2 * columns, 0.0);
+    let (side_line, diagonal_line) = lines.split_at_mut(columns);
     line(&energy.sides, side_line);
     line(&energy.diagonals, diagonal_line);
     // cells that the window meets
@@ -197,7 +233,8 @@ mod tests {
                 for row in [0, 1, 13, 30, 41, 63] {
                     for cells in [0..32, 0..7, 3..12, 29..32, 13..14] {
                         let mut out = vec![0.0; 4 * cells.len()];
-                        expand_row(&plane, level, (&rows, row), (&columns, cells.clone()), &mut out, &mut [0.0; 68]);
+                        let samples = RowSamples { rows: &rows, row, columns: &columns, cells: cells.clone() };
+                        interpolate_row(&plane, level, &samples, &mut out, &mut [0.0; 68]);
                         for (n, out) in (4 * cells.start..).zip(&out) {
                             let place = [row, n].map(|n| (n / 4) as f64 + within[n % 4]);
                             let expected = slow(&plane, level, place);
@@ -220,7 +257,8 @@ mod tests {
         let (mut sides, mut diagonals) = ([9.0; 32], [9.0; 32]);
         for row in [11, 12, 17, 19, 20] {
             let out = [&mut sides[..], &mut diagonals[..]];
-            let meets = expand_window(&energy, 1, (&pixels, row), (&pixels, 0..8), out, (true, &mut Vec::new()));
+            let samples = RowPixels { rows: &pixels, row, columns: &pixels, cells: 0..8 };
+            let meets = interpolate_window_row(&energy, 1, &samples, out, true, &mut Vec::new());
             assert_eq!(meets, (12..20).contains(&row));
             for (n, side) in sides.iter().enumerate() {
                 let place = |n: usize| (pixels.of(n) as f64 + 0.5) / 4.0 - 12.0;

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::wavelet::daubechies::Border;
 use crate::wavelet::energy::{Energies, Reflected};
-use crate::wavelet::energy_interpolation::{Axis, expand_row};
-use crate::wavelet::pyramid::{COARSEST, Pyramid, levels};
+use crate::wavelet::energy_interpolation::{Axis, RowSamples, interpolate_row};
+use crate::wavelet::pyramid::{COARSEST, Pyramid, level_count};
 use crate::wavelet::spectrum::{Rule, Spectra};
 
 /// How local bandwidths are estimated; the default is what the atlas uses.
@@ -67,7 +67,7 @@ impl Estimator {
     }
 
     /// The bandwidth of a signal of finite extent, zero outside, as an area light is: estimated in an image of twice the
-    /// size and cropped (paper 000, section 2.3). Otherwise as [`Self::local_bandwidth`].
+    /// size and cropped (Bagher 2013, section 2.3). Otherwise as [`Self::local_bandwidth`].
     ///
     /// # Panics
     /// If the number of values is not `rows x columns`, or zero.
@@ -84,7 +84,7 @@ impl Estimator {
 
     /// The map of an image with sides that the transform takes.
     fn map(&self, image: &[f32], rows: usize, columns: usize) -> Vec<f32> {
-        let count = levels(rows, columns);
+        let count = level_count(rows, columns);
         let mut pyramid = Pyramid::default();
         let mut energies = Energies::default();
         energies.clear_pyramid(0, rows, columns, count);
@@ -102,17 +102,16 @@ impl Estimator {
         }
         let axes = [rows, columns].map(|side| Axis::new(side, count, [0.125, 0.375, 0.625, 0.875]));
         let mut map = vec![0.0; rows * columns];
-        let all = 0..columns / 4;
         map.par_chunks_mut(columns).enumerate().for_each_init(
             || (Spectra::new(columns, count), vec![0.0; columns / 2 + 4]),
             |(spectra, scratch), (r, out)| {
+                let row = RowSamples { rows: &axes[0], row: r, columns: &axes[1], cells: 0..columns / 4 };
                 for (level, energy) in energies.levels.iter().enumerate() {
-                    let row = (&axes[0], r);
                     let [sides, diagonals] = spectra.level(level);
-                    expand_row(&energy.sides, level, row, (&axes[1], all.clone()), sides, scratch);
-                    expand_row(&energy.diagonals, level, row, (&axes[1], all.clone()), diagonals, scratch);
+                    interpolate_row(&energy.sides, level, &row, sides, scratch);
+                    interpolate_row(&energy.diagonals, level, &row, diagonals, scratch);
                 }
-                expand_row(&energies.mean, count - 1, (&axes[0], r), (&axes[1], all.clone()), spectra.mean(), scratch);
+                interpolate_row(&energies.mean, count - 1, &row, spectra.mean(), scratch);
                 let frequencies = self.frequencies(spectra);
                 for (out, log2) in out.iter_mut().zip(frequencies) {
                     *out = self.calibrated(*log2);

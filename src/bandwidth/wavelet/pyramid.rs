@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::wavelet::daubechies::{Border, HIGH, LOW, Real, analyse, four_taps, rebuilding, synthesise, taps};
-use crate::wavelet::simd_dispatch::vectorise;
+use crate::wavelet::simd_dispatch::dispatch_simd;
 
 /// Size of the last approximation along the shorter side.
 pub const COARSEST: usize = 4;
@@ -46,7 +46,7 @@ pub struct Pyramid<T> {
 ///
 /// # Panics
 /// If a side is not a power of two of at least 8.
-pub fn levels(rows: usize, columns: usize) -> usize {
+pub fn level_count(rows: usize, columns: usize) -> usize {
     for side in [rows, columns] {
         assert!(side.is_power_of_two() && side >= 2 * COARSEST, "{rows} x {columns} has a side that is not 2^m >= 8");
     }
@@ -65,16 +65,17 @@ impl<T: Real> Pyramid<T> {
 
     /// Transforms an image of which the first rows are given and the others repeat them backwards (or all are given).
     pub(crate) fn analyse_rows(&mut self, image: &[T], rows: usize, columns: usize, border: Border) {
-        let count = levels(rows, columns);
+        let count = level_count(rows, columns);
         self.levels.resize_with(count, Bands::default);
         for (level, bands) in self.levels.iter_mut().enumerate() {
             let (rows, columns) = (rows >> level, columns >> level);
-            if level == 0 {
-                step(image, rows, columns, border, &mut self.approximation, bands, &mut self.scratch);
+            let samples = if level == 0 {
+                image
             } else {
                 std::mem::swap(&mut self.approximation, &mut self.previous);
-                step(&self.previous, rows, columns, border, &mut self.approximation, bands, &mut self.scratch);
-            }
+                &self.previous
+            };
+            step(Image { samples, rows, columns }, border, &mut self.approximation, bands, &mut self.scratch);
         }
     }
 
@@ -88,56 +89,85 @@ impl<T: Real> Pyramid<T> {
     }
 }
 
-/// One level. Of the `rows x columns` samples, `image` holds all or the first half of the rows, which the others repeat backwards.
+/// An image of which all rows are given, or the first half, which the others repeat backwards.
+#[derive(Clone, Copy)]
+pub(crate) struct Image<'a, T> {
+    /// The given rows, one after the other.
+    pub(crate) samples: &'a [T],
+    pub(crate) rows: usize,
+    pub(crate) columns: usize,
+}
+
+impl<T> Image<'_, T> {
+    /// How many rows are given.
+    fn given(&self) -> usize {
+        let given = self.samples.len() / self.columns;
+        assert!(given == self.rows || given == self.rows / 2, "{given} of {} rows", self.rows);
+        given
+    }
+
+    /// Whether the work is worth being shared among threads.
+    fn is_large(&self) -> bool {
+        self.rows * self.columns >= PARALLEL
+    }
+}
+
+/// One level: filters all rows, then all columns. The memory is used again.
 pub(crate) fn step<T: Real>(
-    image: &[T],
-    rows: usize,
-    columns: usize,
+    image: Image<'_, T>,
     border: Border,
     approximation: &mut Vec<T>,
     bands: &mut Bands<T>,
     scratch: &mut Vec<T>,
 ) {
-    let (half_rows, half) = (rows / 2, columns / 2);
-    let given = image.len() / columns;
-    assert!(given == rows || given == half_rows, "{given} of {rows} rows");
-    bands.rows = half_rows;
-    bands.columns = half;
+    bands.rows = image.rows / 2;
+    bands.columns = image.columns / 2;
     for plane in [&mut *approximation, &mut bands.horizontal, &mut bands.vertical, &mut bands.diagonal] {
-        plane.resize(half_rows * half, T::default());
+        plane.resize(bands.rows * bands.columns, T::default());
     }
-    // each row: low half, high half; behind the last row, scratch for one
-    scratch.resize(given * columns + columns + 2, T::default());
-    let (filtered, spare) = scratch.split_at_mut(given * columns);
+    // behind the last row, room to filter one
+    let filtered_len = image.given() * image.columns;
+    scratch.resize(filtered_len + image.columns + 2, T::default());
+    let (filtered, spare) = scratch.split_at_mut(filtered_len);
+    filter_rows(image, border, filtered, spare);
+    filter_columns(Image { samples: filtered, ..image }, border, approximation, bands);
+}
+
+/// Filters each given row of an image: its low half, then its high half. `spare` holds two samples more than a row.
+fn filter_rows<T: Real>(image: Image<'_, T>, border: Border, filtered: &mut [T], spare: &mut [T]) {
+    let Image { samples, columns, .. } = image;
     let along_row = |spare: &mut [T], (out, row): (&mut [T], &[T])| {
-        let (low, high) = out.split_at_mut(half);
-        vectorise(
+        let (low, high) = out.split_at_mut(columns / 2);
+        dispatch_simd(
             #[inline(always)]
             || analyse(row, border, low, high, spare),
         );
     };
-    let parallel = rows * columns >= PARALLEL;
-    if parallel {
-        let rows = filtered.par_chunks_mut(columns).zip(image.par_chunks(columns));
+    if image.is_large() {
+        let rows = filtered.par_chunks_mut(columns).zip(samples.par_chunks(columns));
         rows.for_each_init(|| vec![T::default(); columns + 2], |spare, row| along_row(spare, row));
     } else {
-        filtered.chunks_mut(columns).zip(image.chunks(columns)).for_each(|row| along_row(spare, row));
+        filtered.chunks_mut(columns).zip(samples.chunks(columns)).for_each(|row| along_row(spare, row));
     }
+}
 
-    let filtered: &[T] = filtered;
+/// Filters the columns of an image whose rows are filtered, which makes the approximation and the three bands.
+fn filter_columns<T: Real>(filtered: Image<'_, T>, border: Border, approximation: &mut [T], bands: &mut Bands<T>) {
+    let (rows, given, half) = (filtered.rows, filtered.given(), filtered.columns / 2);
+    // the low and the high half of a row, also beyond the first and the last one
     let row = |r: isize| {
         let r = match border {
             Border::Reflect => r.clamp(0, rows as isize - 1),
             Border::Periodic => r.rem_euclid(rows as isize),
         } as usize;
         let r = if r < given { r } else { rows - 1 - r };
-        filtered[r * columns..][..columns].split_at(half)
+        filtered.samples[r * filtered.columns..][..filtered.columns].split_at(half)
     };
     let along_column = |(k, (((low, horizontal), vertical), diagonal)): Quarter<'_, T>| {
         let first = 2 * k as isize - 1;
         let [a, b, c, d] = [row(first), row(first + 1), row(first + 2), row(first + 3)];
         let (left, right) = ([a.0, b.0, c.0, d.0], [a.1, b.1, c.1, d.1]);
-        vectorise(
+        dispatch_simd(
             #[inline(always)]
             || {
                 four_taps(taps(LOW), left, low);
@@ -148,7 +178,7 @@ pub(crate) fn step<T: Real>(
         );
     };
     let Bands { horizontal, vertical, diagonal, .. } = bands;
-    if parallel {
+    if filtered.is_large() {
         let quarters = approximation
             .par_chunks_mut(half)
             .zip(horizontal.par_chunks_mut(half))
@@ -196,7 +226,7 @@ mod tests {
     use super::*;
 
     #[derive(serde::Deserialize)]
-    struct Image {
+    struct Oracle {
         name: String,
         border: String,
         x: Vec<Vec<f64>>,
@@ -214,13 +244,13 @@ mod tests {
     fn one_level_is_that_of_pywavelets() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data-fixtures/wavelet.json");
         let mut fixture: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
-        let images: Vec<Image> = serde_json::from_value(fixture["images"].take()).unwrap();
+        let images: Vec<Oracle> = serde_json::from_value(fixture["images"].take()).unwrap();
         assert_eq!(images.len(), 6);
         for image in images {
             let border = if image.border == "periodic" { Border::Periodic } else { Border::Reflect };
             let (rows, columns, x) = (image.x.len(), image.x[0].len(), image.x.concat());
             let (mut low, mut bands) = (Vec::new(), Bands::default());
-            step(&x, rows, columns, border, &mut low, &mut bands, &mut Vec::new());
+            step(Image { samples: &x, rows, columns }, border, &mut low, &mut bands, &mut Vec::new());
             let Bands { horizontal, vertical, diagonal, .. } = &bands;
             let theirs = [&image.low, &image.horizontal, &image.vertical, &image.diagonal];
             for (ours, theirs) in [&low, horizontal, vertical, diagonal].into_iter().zip(theirs) {
@@ -248,9 +278,9 @@ mod tests {
 
     #[test]
     fn levels_end_at_four_samples() {
-        assert_eq!([levels(8, 8), levels(256, 256), levels(1024, 16)], [1, 6, 2]);
+        assert_eq!([level_count(8, 8), level_count(256, 256), level_count(1024, 16)], [1, 6, 2]);
         for (rows, columns) in [(4, 8), (8, 12), (0, 8)] {
-            assert!(std::panic::catch_unwind(|| levels(rows, columns)).is_err(), "{rows} x {columns}");
+            assert!(std::panic::catch_unwind(|| level_count(rows, columns)).is_err(), "{rows} x {columns}");
         }
     }
 }

@@ -3,7 +3,7 @@
 /// Runs a closure, which the caller marks `#[inline(always)]`, compiled for the processor's vector instructions. The compiler
 /// neither reorders sums nor contracts products and sums, so the results are the same bytes on every processor.
 #[inline(always)]
-pub(crate) fn vectorise(work: impl FnMut()) {
+pub(crate) fn dispatch_simd(work: impl FnMut()) {
     pulp::Arch::new().dispatch(Work(work));
 }
 

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "kebab-case")]
 pub enum Rule {
     /// The bandwidth is this percentile of the energies of the bands that count, each spread evenly over the octave of its band in
-    /// log2 of the frequency (95: paper 000, section 2.1).
+    /// log2 of the frequency (95: Bagher 2013, section 2.1).
     Percentile(f64),
-    /// Paper 000, eq. (7): the finest level at which the sum of the largest coefficients of this and all finer levels reaches this
+    /// Bagher 2013, eq. (7): the finest level at which the sum of the largest coefficients of this and all finer levels reaches this
     /// share of the largest one. For reproduction: about four times too high on sine gratings.
     Epsilon(f64),
 }

@@ -7,9 +7,9 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::args::embedded_materials;
+use crate::args::headings::{BATCH, OUTPUT};
 use crate::args::value_enums::Format;
 use crate::args::value_enums::{ChannelsArg, ContainerArg, LayoutArg, PositionArg, SamplesArg};
-use crate::args::{BATCH, OUTPUT};
 
 /// Options of `brdfit atlas`.
 #[derive(Debug, Args)]

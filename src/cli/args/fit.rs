@@ -1,4 +1,4 @@
-//! `brdfit fit` as it is typed.
+//! `brdfit fit`, and `brdfit merge` for its shards, as they are typed.
 
 use std::path::PathBuf;
 
@@ -6,8 +6,8 @@ use brdfit_brdf::ModelName;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use crate::args::headings::{BATCH, OUTPUT};
 use crate::args::value_enums::{AnchorArg, ConstraintArg, LossArg, PositionArg, SolverArg};
-use crate::args::{BATCH, OUTPUT};
 
 /// Options of `brdfit fit`. Whatever is left out keeps the value of the preset.
 #[derive(Debug, Args)]
@@ -142,10 +142,23 @@ fn start(text: &str) -> Result<Start, String> {
     numbers.map(Start).map_err(|_| "a start is one number per shape parameter, for instance 1e-3,0.4".to_owned())
 }
 
+/// Options of `brdfit merge`.
+#[derive(Debug, Args)]
+pub(crate) struct MergeArgs {
+    /// Folder with summary.1-of-N.json .. summary.N-of-N.json
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+}
+
+pub(super) const MERGE_EXAMPLES: &str = "\
+Examples:
+  for i in 1 2 3; do brdfit fit brdfs -o fits --shard $i/3 & done; wait
+  brdfit merge fits                  writes fits/summary.json and .csv";
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::Cli;
+    use crate::args::cli::Cli;
     use clap::CommandFactory;
 
     #[test]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::args::OUTPUT;
+use crate::args::headings::OUTPUT;
 use crate::args::value_enums::{AllocationArg, BackgroundArg, GeometryArg, LayerArg, ModeArg, UpsamplingArg};
 
 /// Options of `brdfit render`.

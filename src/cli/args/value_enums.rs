@@ -1,7 +1,7 @@
 //! The words that options take, and what each of them stands for.
 
 use brdfit_bandwidth::exr::Samples;
-use brdfit_bandwidth::{AtlasChannels, Layout, ShaderLanguage};
+use brdfit_bandwidth::{AtlasChannels, Layout};
 use brdfit_fit::{Anchor, Constraint, Loss, Step2Solver};
 use brdfit_measured::SamplePosition;
 use brdfit_renderer::{Allocation, Geometry, Mode, Upsampling};
@@ -121,16 +121,6 @@ words! {
         Half => Samples::Half,
         /// 32 bits, as computed
         Float => Samples::Float,
-    }
-}
-
-words! {
-    /// The argument of `export`
-    LanguageArg => ShaderLanguage {
-        /// For WebGPU
-        Wgsl => ShaderLanguage::Wgsl,
-        /// For OpenGL, WebGL 2 and Vulkan
-        Glsl => ShaderLanguage::Glsl,
     }
 }
 

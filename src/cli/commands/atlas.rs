@@ -17,7 +17,7 @@ const AT_ONCE: usize = 2;
 
 pub(crate) fn run(args: &AtlasArgs, console: &Console) -> anyhow::Result<Outcome> {
     let plan = AtlasPlan::new(args)?;
-    output::folder(&plan.folder)?;
+    plan.folder.create()?;
     let maker = AtlasMaker::new(plan.job.clone());
     let work = |input: &MaterialInput| make(input, &maker, &plan);
     let results = batch::each_on_its_own(&plan.inputs, AT_ONCE, "atlases", console, MaterialInput::label, work)?;
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &AtlasArgs, console: &Console) -> anyhow::Result<Outcome
         None => {}
     }
     let done = if sidecars.len() == 1 { "1 atlas".to_owned() } else { format!("{} atlases", sidecars.len()) };
-    console.note(&format!("{}: {}", batch::tally(&done, kept, failed), plan.folder.display()));
+    console.note(&format!("{}: {}", batch::tally(&done, kept, failed), plan.folder.path().display()));
     Ok(outcome)
 }
 
@@ -59,7 +59,7 @@ fn make(input: &MaterialInput, maker: &AtlasMaker, plan: &AtlasPlan) -> Result<a
         Err(error) => return Ok(Err(error)),
     };
     if plan.resume
-        && let Some(sidecar) = maker.reusable(&plan.folder, &opened.origin)
+        && let Some(sidecar) = maker.kept(&plan.folder, &opened.origin)
     {
         return Ok(Ok(Done { sidecar, kept: true }));
     }

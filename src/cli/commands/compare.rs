@@ -13,8 +13,8 @@ use serde::Serialize;
 
 use crate::args::compare::CompareArgs;
 use crate::args::value_enums::Format;
-use crate::jobs::fit_job::PROGRAM;
 use crate::results::documents;
+use crate::results::folder::PROGRAM;
 use crate::results::json;
 use crate::results::output;
 use crate::terminal::console::{Console, Tone};
@@ -248,7 +248,7 @@ fn closing(report: &Report, console: &Console) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::{Cli, Command};
+    use crate::args::cli::{Cli, Command};
     use clap::Parser;
 
     fn names(pairs: &[Pair]) -> Vec<(String, String)> {

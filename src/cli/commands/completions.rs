@@ -2,7 +2,8 @@
 
 use clap::CommandFactory;
 
-use crate::args::{Cli, CompletionsArgs};
+use crate::args::cli::Cli;
+use crate::args::texts::CompletionsArgs;
 use crate::results::output;
 use crate::terminal::exit_code::Outcome;
 

@@ -12,13 +12,14 @@ use brdfit_measured::{CHANNEL_NAMES, Dimensions, SamplePosition, write_merl};
 use crate::args::demo::DemoArgs;
 use crate::args::embedded_materials::{self, Embedded};
 use crate::commands::fit;
-use crate::jobs::atlas_job::{AtlasJob, AtlasMaker, Sidecar, file_name};
+use crate::jobs::atlas_job::{AtlasJob, AtlasMaker, Sidecar};
+use crate::jobs::demo_picture::PictureFiles;
 use crate::jobs::fit_job::Job;
 use crate::jobs::fit_plan::{FitPlan, Target};
 use crate::jobs::inputs::{InputFile, Wanted};
 use crate::jobs::material_source::Origin;
-use crate::report::demo_picture::PictureFiles;
 use crate::results::documents;
+use crate::results::folder::{ResultFile, ResultFolder};
 use crate::results::output;
 use crate::terminal::console::{Console, Tone};
 use crate::terminal::exit_code::{Outcome, Problem};
@@ -28,15 +29,16 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome>
     let material = embedded_materials::material(&args.material)
         .ok_or_else(|| Problem::usage(format!("{}: no such material; see brdfit demo --help", args.material)))?;
     let (model, sample_position) = (material.parameters().model(), SamplePosition::default());
-    output::folder(&args.output)?;
-    let files = Files::new(&args.output, material.name);
+    let folder = ResultFolder::at(&args.output);
+    folder.create()?;
+    let files = Files::new(&folder, material.name);
 
     let start = Instant::now();
     make(material, sample_position, &files.binary)?;
     let made = start.elapsed();
     let plan = FitPlan {
         inputs: vec![InputFile::new(files.binary.clone(), Wanted::Measured)?],
-        target: Target::Folder(args.output.clone()),
+        target: Target::Folder(folder.clone()),
         job: Job {
             model,
             sample_position: Some(sample_position),
@@ -50,12 +52,12 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome>
         atlas: false,
         shard: None,
     };
-    let outcome = fit::fill(&args.output, &plan, console)?;
+    let outcome = fit::fill(&folder, &plan, console)?;
     let fitted = start.elapsed();
     if outcome != Outcome::Done {
         return Ok(outcome);
     }
-    let atlas = make_atlas(material, &args.output)?;
+    let atlas = make_atlas(material, &folder)?;
     let mapped = start.elapsed();
     files.rendering.make(material.name)?;
     let total = start.elapsed();
@@ -83,7 +85,7 @@ fn make(material: &Embedded, position: SamplePosition, path: &Path) -> Result<()
 }
 
 /// Makes the atlas of a material and its preview.
-fn make_atlas(material: &Embedded, folder: &Path) -> Result<Sidecar, Problem> {
+fn make_atlas(material: &Embedded, folder: &ResultFolder) -> Result<Sidecar, Problem> {
     let mut job = AtlasJob::default();
     job.files.push(FileContent::PngPreview);
     let origin = Origin::fit(material.name, None);
@@ -102,16 +104,16 @@ struct Files {
 }
 
 impl Files {
-    fn new(folder: &Path, name: &str) -> Self {
-        let file = |extension: &str| folder.join(format!("{name}.{extension}"));
+    fn new(folder: &ResultFolder, name: &str) -> Self {
+        let file = |file: ResultFile| folder.file(file, name);
         Self {
-            binary: file("binary"),
-            json: file("json"),
-            picture: file("svg"),
-            atlas: folder.join(file_name(name, "ktx2")),
-            preview: folder.join(file_name(name, "png")),
+            binary: file(ResultFile::Measurement),
+            json: file(ResultFile::Fit),
+            picture: file(ResultFile::Slices),
+            atlas: file(ResultFile::AtlasKtx2),
+            preview: file(ResultFile::AtlasPreview),
             rendering: PictureFiles::new(folder, name),
-            summaries: ["summary.json", "summary.csv"].map(|name| folder.join(name)),
+            summaries: [folder.summary(None), folder.summary_table()],
         }
     }
 }

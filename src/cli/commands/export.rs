@@ -1,11 +1,13 @@
-//! `brdfit export`: the functions that sample an atlas, as text for a shader.
+//! `brdfit export`: a file for another program.
 
-use crate::args::ExportArgs;
+use crate::args::texts::ExportArgs;
+use crate::exporters::formats;
 use crate::results::output;
-use crate::terminal::exit_code::Outcome;
+use crate::terminal::exit_code::{Outcome, Problem};
 
 pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
-    let text = brdfit_bandwidth::shader(args.language.into());
-    output::deliver(args.output.as_deref(), text.as_bytes())?;
+    let format = formats::find(&args.language)
+        .ok_or_else(|| Problem::usage(format!("{}: no such format; see brdfit export --help", args.language)))?;
+    output::deliver(args.output.as_deref(), &format.exporter.export())?;
     Ok(Outcome::Done)
 }

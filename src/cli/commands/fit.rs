@@ -1,7 +1,5 @@
 //! `brdfit fit`: a batch of measured files to documents and a summary.
 
-use std::path::Path;
-
 use brdfit_brdf::MaterialParameters;
 use brdfit_fit::document::{Failure, FitDocument, SummaryRow};
 use tracing::info;
@@ -15,9 +13,9 @@ use crate::jobs::inputs::InputFile;
 use crate::jobs::material_source::Origin;
 use crate::report::slices;
 use crate::results::documents;
+use crate::results::folder::{ResultFile, ResultFolder};
 use crate::results::json;
 use crate::results::output;
-use crate::results::resume;
 use crate::results::summary;
 use crate::terminal::console::Console;
 use crate::terminal::exit_code::{Outcome, Problem};
@@ -41,15 +39,15 @@ fn print(plan: &FitPlan) -> anyhow::Result<Outcome> {
 }
 
 /// Fits all inputs into a folder.
-pub(crate) fn fill(folder: &Path, plan: &FitPlan, console: &Console) -> anyhow::Result<Outcome> {
-    output::folder(folder)?;
+pub(crate) fn fill(folder: &ResultFolder, plan: &FitPlan, console: &Console) -> anyhow::Result<Outcome> {
+    folder.create()?;
     let fitter = Fitter::new(plan.job.clone());
     let atlases = plan.atlas.then(|| AtlasMaker::new(AtlasJob::default()));
     let label = |input: &InputFile| input.path.display().to_string();
     let work = |input: &InputFile| fit(input, &fitter, atlases.as_ref(), folder, plan);
     let results = batch::each_on_its_own(&plan.inputs, usize::MAX, "fitting", console, label, work)?;
 
-    let mut summary = summary::new(&plan.job);
+    let mut summary = summary::new(plan.job.model, plan.job.recorded());
     let (mut outcome, mut kept) = (Outcome::Done, 0);
     for (input, result) in plan.inputs.iter().zip(results) {
         match result {
@@ -86,21 +84,19 @@ fn fit(
     input: &InputFile,
     fitter: &Fitter,
     atlases: Option<&AtlasMaker>,
-    folder: &Path,
+    folder: &ResultFolder,
     plan: &FitPlan,
 ) -> Result<anyhow::Result<Material>, Problem> {
-    let path = folder.join(format!("{}.json", input.name));
+    let path = folder.file(ResultFile::Fit, &input.name);
     let opened = match fitter.open(input) {
         Ok(opened) => opened,
         Err(error) => return Ok(Err(error.into())),
     };
-    let there = if plan.resume { resume::reusable(&path, &opened, fitter.job()) } else { None };
+    let differs = |document: &FitDocument| fitter.differs(document, &opened);
+    let there = if plan.resume { folder.kept(&input.name, differs) } else { None };
     let kept = there.is_some();
     let document = match there {
-        Some(document) => {
-            info!(file = %path.display(), "kept");
-            document
-        }
+        Some(document) => document,
         None => match fitter.fit(opened) {
             Ok(document) => document,
             Err(error) => return Ok(Err(error.into())),
@@ -126,11 +122,11 @@ fn add_atlas(
     name: &str,
     bytes: &[u8],
     maker: &AtlasMaker,
-    folder: &Path,
+    folder: &ResultFolder,
     plan: &FitPlan,
 ) -> Result<Result<(), Problem>, Problem> {
     let origin = Origin::fit(name, Some(documents::sha256(bytes)));
-    if plan.resume && maker.reusable(folder, &origin).is_some() {
+    if plan.resume && maker.kept(folder, &origin).is_some() {
         return Ok(Ok(()));
     }
     let material = MaterialParameters::read(bytes).expect("the document of a fit holds a material").brdf();
@@ -140,9 +136,9 @@ fn add_atlas(
     }
 }
 
-fn draw(document: &FitDocument, folder: &Path, plan: &FitPlan) -> Result<(), Problem> {
+fn draw(document: &FitDocument, folder: &ResultFolder, plan: &FitPlan) -> Result<(), Problem> {
     if plan.picture {
-        let path = folder.join(format!("{}.svg", document.input.name));
+        let path = folder.file(ResultFile::Slices, &document.input.name);
         output::write_recoverable(&path, slices::draw(document).as_bytes())?;
     }
     Ok(())

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use brdfit_measured::{Described, HealthChecks, Info, MeasurementError, SamplePosition};
 
-use crate::args::InfoArgs;
+use crate::args::measured::InfoArgs;
 use crate::args::value_enums::Format;
 use crate::jobs::batch;
 use crate::results::json;

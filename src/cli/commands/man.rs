@@ -2,7 +2,8 @@
 
 use clap::CommandFactory;
 
-use crate::args::{Cli, ManArgs};
+use crate::args::cli::Cli;
+use crate::args::texts::ManArgs;
 use crate::results::output;
 use crate::terminal::exit_code::{Outcome, Problem};
 

@@ -3,22 +3,24 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::args::MergeArgs;
-use crate::jobs::fit_plan::Shard;
+use crate::args::fit::MergeArgs;
 use crate::results::documents;
+use crate::results::folder::ResultFolder;
+use crate::results::shard::Shard;
 use crate::results::summary::{self, Summary};
 use crate::terminal::console::Console;
 use crate::terminal::exit_code::{Outcome, Problem};
 
 pub(crate) fn run(args: &MergeArgs, console: &Console) -> anyhow::Result<Outcome> {
-    let shards = find(&args.folder)?;
+    let folder = ResultFolder::at(&args.folder);
+    let shards = find(folder.path())?;
     let mut parts = Vec::with_capacity(shards.len());
     for shard in shards {
-        let path = summary::path(&args.folder, Some(shard));
+        let path = folder.summary(Some(shard));
         parts.push((documents::read(&path, "a batch summary")?, path));
     }
     let whole = join(parts)?;
-    let path = summary::write(&args.folder, None, &whole)?;
+    let path = summary::write(&folder, None, &whole)?;
     console.note(&format!(
         "{} materials, {} failures: {}",
         whole.materials.len(),

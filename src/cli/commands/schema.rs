@@ -6,7 +6,7 @@ use brdfit_renderer::SceneDocument;
 use schemars::Schema;
 use schemars::generate::SchemaSettings;
 
-use crate::args::SchemaArgs;
+use crate::args::texts::SchemaArgs;
 use crate::args::value_enums::SchemaName;
 use crate::jobs::atlas_job::Sidecar;
 use crate::jobs::render_stats::RenderDocument;

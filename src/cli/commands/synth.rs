@@ -7,8 +7,8 @@ use brdfit_fit::synthesise;
 use brdfit_measured::{CHANNEL_NAMES, Dimensions, SamplePosition, write_merl};
 use serde::Deserialize;
 
-use crate::args::SynthArgs;
 use crate::args::embedded_materials;
+use crate::args::measured::SynthArgs;
 use crate::jobs::synthetic_noise::Noise;
 use crate::results::documents::Document;
 use crate::results::output;

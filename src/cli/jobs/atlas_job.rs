@@ -1,16 +1,13 @@
 //! The bandwidth atlas of one material and the files that hold it.
 
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use brdfit_bandwidth::sidecar::{
     ATLAS_SCHEMA_VERSION, AtlasDocument, AtlasOptions, FileContent, FileEntry, Provenance,
 };
-use brdfit_bandwidth::{
-    Atlas, AtlasChannels, AtlasError, Layout, LobeGrid, LobeOptions, compute_atlas, exr, ktx2, png_bytes, preview,
-};
+use brdfit_bandwidth::{Atlas, AtlasChannels, Layout, LobeGrid, LobeOptions, compute_atlas, exr, ktx2};
 use brdfit_brdf::Brdf;
+use brdfit_figures::png;
 use brdfit_measured::SamplePosition;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -18,8 +15,9 @@ use serde::{Deserialize, Serialize};
 use tracing::{debug, info};
 
 use crate::jobs::batch::in_pool;
-use crate::jobs::fit_job::PROGRAM;
 use crate::jobs::material_source::Origin;
+use crate::report::atlas_preview::preview;
+use crate::results::folder::{PROGRAM, ResultFile, ResultFolder, Reusable};
 use crate::results::json;
 use crate::results::output;
 use crate::terminal::exit_code::Problem;
@@ -33,6 +31,19 @@ pub(crate) struct Sidecar {
     /// Where in its cell a sample of the measurement was taken to lie; absent for a fit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) sample_position: Option<SamplePosition>,
+}
+
+impl Reusable for Sidecar {
+    const SCHEMA_VERSION: u32 = ATLAS_SCHEMA_VERSION;
+    const FILE: ResultFile = ResultFile::Atlas;
+
+    fn made_by(&self) -> (u32, &str) {
+        (self.atlas.schema_version, &self.atlas.program)
+    }
+
+    fn companions(&self) -> impl Iterator<Item = &str> {
+        self.atlas.files.iter().map(|entry| entry.name.as_str())
+    }
 }
 
 /// What is computed of each material, and into which files it goes.
@@ -76,41 +87,17 @@ impl AtlasMaker {
         Self { job, grid: LobeGrid::default(), turn: Mutex::new(()) }
     }
 
-    /// The sidecar that is in the folder, if a new one of this material would be the same: made by this version of the program
-    /// with these options from the same source, unchanged since, and all its files are there.
-    pub(crate) fn reusable(&self, folder: &Path, origin: &Origin) -> Option<Sidecar> {
-        let name = &origin.source.name;
-        let path = sidecar_path(folder, name);
-        let bytes = fs::read(&path).ok()?;
-        let refuse = |why: &str| {
-            debug!(file = %path.display(), why, "made again");
-            None
-        };
-        let Ok(sidecar) = serde_json::from_slice::<Sidecar>(&bytes) else {
-            return refuse("it is not the document of an atlas");
-        };
-        let Sidecar { atlas, sample_position } = &sidecar;
-        if atlas.schema_version != ATLAS_SCHEMA_VERSION || atlas.program != PROGRAM {
-            return refuse("another version made it");
-        }
-        if (&atlas.source, *sample_position) != (&origin.source, origin.sample_position) {
-            return refuse("the material is another one");
-        }
-        if atlas.options != AtlasOptions::from(&self.job.options)
-            || (atlas.layout, atlas.channels) != (self.job.layout, self.job.channels)
-            || atlas.files != self.job.entries(name)
-        {
-            return refuse("the options are others");
-        }
-        if json::to_vec(&sidecar) != bytes {
-            return refuse("it was changed by hand");
-        }
-        let there = |entry: &FileEntry| fs::metadata(folder.join(&entry.name)).is_ok_and(|found| found.len() > 0);
-        if !atlas.files.iter().all(there) {
-            return refuse("a file is missing");
-        }
-        info!(file = %path.display(), "kept");
-        Some(sidecar)
+    /// The sidecar that is in the folder, if a new one of this material would be the same.
+    pub(crate) fn kept(&self, folder: &ResultFolder, origin: &Origin) -> Option<Sidecar> {
+        folder.kept(&origin.source.name, |Sidecar { atlas, sample_position }: &Sidecar| {
+            if (&atlas.source, *sample_position) != (&origin.source, origin.sample_position) {
+                return Some("the material is another one");
+            }
+            let same = atlas.options == AtlasOptions::from(&self.job.options)
+                && (atlas.layout, atlas.channels) == (self.job.layout, self.job.channels)
+                && atlas.files == self.job.entries(&origin.source.name);
+            (!same).then_some("the options are others")
+        })
     }
 
     /// Computes and encodes the atlas of a material; `label` names it in messages.
@@ -120,13 +107,13 @@ impl AtlasMaker {
     pub(crate) fn make(&self, brdf: &dyn Brdf, origin: Origin, label: &str) -> Result<MadeAtlas, Problem> {
         let AtlasJob { layout, channels, options, .. } = &self.job;
         let provenance = Provenance { program: PROGRAM.to_owned(), source: origin.source };
-        let failed = |error: AtlasError| Problem::computation(format!("{label}: {error}"));
         let (atlas, statistics) = {
             let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
-            in_pool(|| compute_atlas(brdf, *layout, *channels, &self.grid, options)).map_err(failed)?
+            in_pool(|| compute_atlas(brdf, *layout, *channels, &self.grid, options))
+                .map_err(|error| Problem::of(label, &error))?
         };
-        let encode = |&content: &FileContent| encode(&atlas, &provenance, content);
-        let files = in_pool(|| self.job.files.par_iter().map(encode).collect::<Result<_, _>>()).map_err(failed)?;
+        let encode = |&content: &FileContent| encode(&atlas, &provenance, content, label);
+        let files = in_pool(|| self.job.files.par_iter().map(encode).collect::<Result<_, _>>())?;
         debug!(material = label, ?statistics, range = ?atlas.range(), "computed");
         let entries = self.job.entries(&provenance.source.name);
         let document = AtlasDocument::new(&atlas, provenance, options.into(), statistics, entries);
@@ -139,11 +126,11 @@ impl MadeAtlas {
     ///
     /// # Errors
     /// As [`output::write`].
-    pub(crate) fn write(self, folder: &Path) -> Result<Sidecar, Problem> {
-        let path = sidecar_path(folder, &self.sidecar.atlas.source.name);
+    pub(crate) fn write(self, folder: &ResultFolder) -> Result<Sidecar, Problem> {
+        let path = folder.file(ResultFile::Atlas, &self.sidecar.atlas.source.name);
         output::remove(&path)?;
         for (entry, bytes) in self.sidecar.atlas.files.iter().zip(&self.files) {
-            output::write(&folder.join(&entry.name), bytes)?;
+            output::write(&folder.path().join(&entry.name), bytes)?;
         }
         output::write(&path, &json::to_vec(&self.sidecar))?;
         info!(file = %path.display(), "written");
@@ -154,37 +141,31 @@ impl MadeAtlas {
 impl AtlasJob {
     /// The files of a material.
     fn entries(&self, name: &str) -> Vec<FileEntry> {
-        let entry = |&content: &FileContent| FileEntry { name: file_name(name, extension(content)), content };
+        let entry = |&content: &FileContent| FileEntry { name: file_of(content).name(name), content };
         self.files.iter().map(entry).collect()
     }
 }
 
-/// The sidecar of a material.
-pub(crate) fn sidecar_path(folder: &Path, name: &str) -> PathBuf {
-    folder.join(file_name(name, "json"))
-}
-
-/// The name of a file that belongs to the atlas of a material.
-pub(crate) fn file_name(name: &str, extension: &str) -> String {
-    format!("{name}.atlas.{extension}")
-}
-
-/// The extension of the files with this content.
-fn extension(content: FileContent) -> &'static str {
+/// The file that holds this content.
+fn file_of(content: FileContent) -> ResultFile {
     match content {
-        FileContent::Ktx2Half => "ktx2",
-        FileContent::ExrHalf | FileContent::ExrFloat => "exr",
-        FileContent::PngPreview => "png",
+        FileContent::Ktx2Half => ResultFile::AtlasKtx2,
+        FileContent::ExrHalf | FileContent::ExrFloat => ResultFile::AtlasExr,
+        FileContent::PngPreview => ResultFile::AtlasPreview,
     }
 }
 
-fn encode(atlas: &Atlas, provenance: &Provenance, content: FileContent) -> Result<Vec<u8>, AtlasError> {
-    match content {
+fn encode(atlas: &Atlas, provenance: &Provenance, content: FileContent, label: &str) -> Result<Vec<u8>, Problem> {
+    let exr = |samples| exr::to_bytes(atlas, provenance, samples).map_err(|error| error.to_string());
+    let encoded = match content {
         FileContent::Ktx2Half => Ok(ktx2::to_bytes(atlas, provenance)),
-        FileContent::ExrHalf => exr::to_bytes(atlas, provenance, exr::Samples::Half),
-        FileContent::ExrFloat => exr::to_bytes(atlas, provenance, exr::Samples::Float),
-        FileContent::PngPreview => png_bytes(&preview(atlas, &provenance.source.name)),
-    }
+        FileContent::ExrHalf => exr(exr::Samples::Half),
+        FileContent::ExrFloat => exr(exr::Samples::Float),
+        FileContent::PngPreview => {
+            png::encode(&preview(atlas, &provenance.source.name)).map_err(|error| error.to_string())
+        }
+    };
+    encoded.map_err(|error| Problem::computation(format!("{label}: {error}")))
 }
 
 #[cfg(test)]
@@ -192,6 +173,7 @@ mod tests {
     use super::*;
     use brdfit_bandwidth::sidecar::AtlasStatistics;
     use brdfit_bandwidth::{Rule, SIZE};
+    use std::fs;
 
     /// A made atlas of a material that is the same everywhere.
     fn made(maker: &AtlasMaker, origin: &Origin) -> MadeAtlas {
@@ -208,14 +190,15 @@ mod tests {
 
     #[test]
     fn what_is_kept_would_be_made_the_same() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |extension: &str| folder.path().join(file_name("x", extension));
+        let temporary = tempfile::tempdir().unwrap();
+        let folder = ResultFolder::at(temporary.path());
+        let at = |file: ResultFile| folder.file(file, "x");
         let maker = AtlasMaker::new(AtlasJob::default());
         let origin = Origin::fit("x", Some("ab".to_owned()));
-        assert_eq!(maker.reusable(folder.path(), &origin), None);
-        let written = made(&maker, &origin).write(folder.path()).unwrap();
-        let kept = |maker: &AtlasMaker, origin: &Origin| maker.reusable(folder.path(), origin).is_some();
-        assert_eq!(maker.reusable(folder.path(), &origin), Some(written));
+        assert_eq!(maker.kept(&folder, &origin), None);
+        let written = made(&maker, &origin).write(&folder).unwrap();
+        let kept = |maker: &AtlasMaker, origin: &Origin| maker.kept(&folder, origin).is_some();
+        assert_eq!(maker.kept(&folder, &origin), Some(written));
 
         for other in [
             Origin::fit("x", Some("cd".to_owned())),
@@ -243,35 +226,36 @@ mod tests {
             assert!(!kept(&other, &origin), "{other:?}");
         }
 
-        fs::write(at("exr"), "").unwrap();
+        fs::write(at(ResultFile::AtlasExr), "").unwrap();
         assert!(!kept(&maker, &origin), "an empty file");
-        fs::remove_file(at("exr")).unwrap();
+        fs::remove_file(at(ResultFile::AtlasExr)).unwrap();
         assert!(!kept(&maker, &origin), "a missing file");
-        made(&maker, &origin).write(folder.path()).unwrap();
+        made(&maker, &origin).write(&folder).unwrap();
         assert!(kept(&maker, &origin));
-        let text = fs::read_to_string(at("json")).unwrap();
+        let text = fs::read_to_string(at(ResultFile::Atlas)).unwrap();
         for (what, text) in [
             ("cut", text[..text.len() / 2].to_owned()),
             ("changed", text.replacen("\"delta\": ", "\"delta\":  ", 1)),
             ("of another version", text.replacen("\"program\": \"brdfit ", "\"program\": \"brdfit 0", 1)),
         ] {
-            fs::write(at("json"), text).unwrap();
+            fs::write(at(ResultFile::Atlas), text).unwrap();
             assert!(!kept(&maker, &origin), "{what}");
         }
     }
 
     #[test]
     fn a_sidecar_is_there_only_with_its_files() {
-        let folder = tempfile::tempdir().unwrap();
+        let temporary = tempfile::tempdir().unwrap();
+        let folder = ResultFolder::at(temporary.path());
         let maker = AtlasMaker::new(AtlasJob::default());
         let origin = Origin::fit("x", None);
-        made(&maker, &origin).write(folder.path()).unwrap();
+        made(&maker, &origin).write(&folder).unwrap();
         // the second file cannot be written
-        let exr = folder.path().join(file_name("x", "exr"));
+        let exr = folder.file(ResultFile::AtlasExr, "x");
         fs::remove_file(&exr).unwrap();
         fs::create_dir(&exr).unwrap();
-        let refused = made(&maker, &origin).write(folder.path()).unwrap_err().to_string();
+        let refused = made(&maker, &origin).write(&folder).unwrap_err().to_string();
         assert!(refused.contains("x.atlas.exr: is a folder"), "{refused}");
-        assert!(!sidecar_path(folder.path(), "x").exists());
+        assert!(!folder.file(ResultFile::Atlas, "x").exists());
     }
 }

@@ -1,18 +1,19 @@
 //! What `brdfit atlas` is going to do, checked before anything is done.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use brdfit_bandwidth::sidecar::FileContent;
 use brdfit_bandwidth::{Estimator, LobeOptions, Rule};
 
 use crate::args::atlas::AtlasArgs;
+use crate::args::ranges::must_lie;
 use crate::args::value_enums::Format;
 use crate::args::value_enums::{ContainerArg, SamplesArg};
-use crate::jobs::atlas_job::{AtlasJob, sidecar_path};
-use crate::jobs::fit_plan::{Shard, must_lie};
-use crate::jobs::inputs::{self, Wanted, is_same_file};
+use crate::jobs::atlas_job::AtlasJob;
+use crate::jobs::inputs::{self, Wanted};
 use crate::jobs::material_source::{MaterialInput, Reading};
+use crate::results::folder::{ResultFile, ResultFolder, keep_inputs};
+use crate::results::shard::Shard;
 use crate::terminal::exit_code::Problem;
 
 /// A checked batch.
@@ -25,7 +26,7 @@ pub(crate) struct AtlasPlan {
     /// What is done with each material.
     pub(crate) job: AtlasJob,
     /// Where the results go.
-    pub(crate) folder: PathBuf,
+    pub(crate) folder: ResultFolder,
     /// Whether results that are there already are kept.
     pub(crate) resume: bool,
     /// What is printed at the end.
@@ -43,13 +44,15 @@ impl AtlasPlan {
             files: files(args)?,
         };
         let shard = args.shard.as_deref().map(Shard::parse).transpose()?;
-        let folder = args.output.clone();
-        if folder == Path::new("-") {
+        if args.output == Path::new("-") {
             return Err(Problem::usage("-o wants a folder; an atlas is several files"));
         }
+        let folder = ResultFolder::at(&args.output);
         let inputs = inputs::collect(&args.inputs, args.recursive, Wanted::Materials)?;
         let inputs: Vec<MaterialInput> = inputs.into_iter().map(MaterialInput::new).collect::<Result<_, _>>()?;
-        check_places(&inputs, &folder)?;
+        let documents: Vec<PathBuf> = inputs.iter().map(|input| folder.file(ResultFile::Atlas, input.name())).collect();
+        let by = " by the atlas of another input; choose another folder with -o";
+        keep_inputs(inputs.iter().filter_map(MaterialInput::path), &documents, by)?;
         Ok(Self {
             inputs: shard.map_or(inputs.clone(), |shard| shard.part(inputs)),
             reading: Reading {
@@ -62,21 +65,6 @@ impl AtlasPlan {
             report: args.format,
         })
     }
-}
-
-/// Refuses an input that would be overwritten.
-fn check_places(inputs: &[MaterialInput], folder: &Path) -> Result<(), Problem> {
-    let written: BTreeSet<PathBuf> = inputs.iter().map(|input| sidecar_path(folder, input.name())).collect();
-    for path in inputs.iter().filter_map(MaterialInput::path) {
-        let place = path.file_name().map(|name| folder.join(name)).unwrap_or_default();
-        if written.contains(&place) && is_same_file(path, &place) {
-            return Err(Problem::usage(format!(
-                "{}: would be overwritten by the atlas of another input; choose another folder with -o",
-                path.display()
-            )));
-        }
-    }
-    Ok(())
 }
 
 /// The files of each atlas, in a fixed order.
@@ -123,7 +111,7 @@ fn options(args: &AtlasArgs) -> Result<LobeOptions, Problem> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::{Cli, Command};
+    use crate::args::cli::{Cli, Command};
     use clap::Parser;
 
     fn plan(line: &str) -> Result<AtlasPlan, Problem> {

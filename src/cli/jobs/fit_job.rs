@@ -4,16 +4,14 @@ use std::sync::OnceLock;
 
 use brdfit_brdf::{MaterialParameters, ModelName};
 use brdfit_fit::document::{ErrorPanel, FitDocument, Input, SCHEMA_VERSION};
-use brdfit_fit::{FitError, FitOptions, PanelGeometry, RecordedOptions, error_panel, fit_slices};
+use brdfit_fit::{FitOptions, PanelGeometry, RecordedOptions, error_panel, fit_slices};
 use brdfit_measured::{Dimensions, Measurement, MeasurementError, SamplePosition, Survey};
 use tracing::{debug, info};
 
 use crate::jobs::batch::in_pool;
 use crate::jobs::inputs::InputFile;
+use crate::results::folder::{PROGRAM, ResultFile, Reusable};
 use crate::terminal::exit_code::Problem;
-
-/// The program as its documents name it.
-pub(crate) const PROGRAM: &str = concat!("brdfit ", env!("CARGO_PKG_VERSION"));
 
 /// What is done with each file.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,10 +71,6 @@ impl Fitter {
         Self { job, geometries: Default::default() }
     }
 
-    pub(crate) fn job(&self) -> &Job {
-        &self.job
-    }
-
     /// Opens a file and, if the job says so, looks at every cell.
     ///
     /// # Errors
@@ -98,6 +92,18 @@ impl Fitter {
         Ok(Opened { measurement, survey, input, options })
     }
 
+    /// What a fit of an open file would say otherwise than a document, if anything.
+    pub(crate) fn differs(&self, document: &FitDocument, opened: &Opened) -> Option<&'static str> {
+        let input = opened.input();
+        if input.sha256.is_none() || document.input != *input {
+            return Some("the input is another one");
+        }
+        let same = document.model == self.job.model
+            && document.options == *opened.options()
+            && document.errors.is_some() == self.job.panel;
+        (!same).then_some("the options are others")
+    }
+
     /// Fits an open file.
     ///
     /// # Errors
@@ -106,10 +112,7 @@ impl Fitter {
         let Opened { measurement, survey, input, options } = opened;
         let label = measurement.source().path.display();
         let fit = in_pool(|| fit_slices(&measurement.slices(), self.job.model, &self.job.options));
-        let fit = fit.map_err(|error| match error {
-            FitError::FewRows { .. } => Problem::invalid(format!("{label}: {error}")),
-            _ => Problem::computation(format!("{label}: {error}")),
-        })?;
+        let fit = fit.map_err(|error| Problem::of(&label, &error))?;
         for channel in &fit.channels {
             debug!(file = %label, channel = channel.name, parameters = ?channel.parameters, flags = ?channel.flags, "fitted");
         }
@@ -123,7 +126,7 @@ impl Fitter {
             input,
             options,
             model: self.job.model,
-            channels: fit.channels.into(),
+            channels: fit.channels,
             errors,
             slices: fit.slices,
         })
@@ -145,5 +148,18 @@ impl Fitter {
     fn geometry(&self, dimensions: Dimensions, position: SamplePosition) -> &PanelGeometry {
         let index = 2 * usize::from(dimensions.is_folded()) + usize::from(position == SamplePosition::Edge);
         self.geometries[index].get_or_init(|| in_pool(|| PanelGeometry::new(dimensions, position)))
+    }
+}
+
+impl Reusable for FitDocument {
+    const SCHEMA_VERSION: u32 = SCHEMA_VERSION;
+    const FILE: ResultFile = ResultFile::Fit;
+
+    fn made_by(&self) -> (u32, &str) {
+        (self.schema_version, &self.program)
+    }
+
+    fn companions(&self) -> impl Iterator<Item = &str> {
+        std::iter::empty()
     }
 }

@@ -1,7 +1,6 @@
 //! What `brdfit fit` is going to do, checked before anything is done.
 
-use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use brdfit_fit::{DistributionSharing, FitOptions};
 
@@ -9,6 +8,8 @@ use crate::args::fit::FitArgs;
 use crate::args::value_enums::ConstraintArg;
 use crate::jobs::fit_job::Job;
 use crate::jobs::inputs::{self, InputFile, Wanted};
+use crate::results::folder::ResultFolder;
+use crate::results::shard::Shard;
 use crate::terminal::exit_code::Problem;
 
 /// A checked batch.
@@ -30,25 +31,13 @@ pub(crate) struct FitPlan {
     pub(crate) shard: Option<Shard>,
 }
 
-/// The value of an option, if it lies within its range, which `range` describes: "above 0", "from 0 to 1".
-pub(crate) fn must_lie(option: &str, value: f64, within: bool, range: &str) -> Result<f64, Problem> {
-    if within { Ok(value) } else { Err(Problem::usage(format!("{option} {value}: must lie {range}"))) }
-}
-
 /// Where results go.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Target {
     /// The one document goes to standard output.
     StandardOutput,
     /// Documents and summaries go to a folder.
-    Folder(PathBuf),
-}
-
-/// The `index`-th of `count` parts, counted from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Shard {
-    pub(crate) index: usize,
-    pub(crate) count: usize,
+    Folder(ResultFolder),
 }
 
 impl FitPlan {
@@ -62,7 +51,7 @@ impl FitPlan {
             Some(folder) if folder == Path::new("-") => {
                 return Err(Problem::usage("-o wants a folder; leave it out to print the document of a single input"));
             }
-            Some(folder) => Target::Folder(folder.clone()),
+            Some(folder) => Target::Folder(ResultFolder::at(folder)),
         };
         let mut inputs = inputs::collect(&args.inputs, args.recursive, Wanted::Measured)?;
         if args.atlas {
@@ -124,43 +113,10 @@ fn options(args: &FitArgs) -> Result<FitOptions, Problem> {
     Ok(options)
 }
 
-impl Shard {
-    /// Largest number of parts.
-    const MAX: usize = 100_000;
-
-    pub(crate) fn parse(text: &str) -> Result<Self, Problem> {
-        Self::split(text, "/")
-            .ok_or_else(|| Problem::usage(format!("--shard {text}: wants I/N with I from 1 to N, for instance 2/8")))
-    }
-
-    /// The shard to which a file `summary.I-of-N.json` belongs.
-    pub(crate) fn of_summary(file_name: &str) -> Option<Self> {
-        Self::split(file_name.strip_prefix("summary.")?.strip_suffix(".json")?, "-of-")
-    }
-
-    fn split(text: &str, separator: &str) -> Option<Self> {
-        let number = |text: &str| text.parse().ok().filter(|n| (1..=Self::MAX).contains(n));
-        let (index, count) = text.split_once(separator)?;
-        let shard = Self { index: number(index)?, count: number(count)? };
-        (shard.index <= shard.count).then_some(shard)
-    }
-
-    /// Every `count`-th, starting with the `index`-th.
-    pub(crate) fn part<T>(self, all: Vec<T>) -> Vec<T> {
-        all.into_iter().skip(self.index - 1).step_by(self.count).collect()
-    }
-}
-
-impl fmt::Display for Shard {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}-of-{}", self.index, self.count)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::{Cli, Command};
+    use crate::args::cli::{Cli, Command};
     use brdfit_brdf::ModelName;
     use brdfit_fit::{Constraint, Loss};
     use clap::Parser;
@@ -216,14 +172,5 @@ mod tests {
             let message = plan(line).unwrap_err().to_string();
             assert!(message.contains(part), "{line}: {message}");
         }
-    }
-
-    #[test]
-    fn the_parts_of_a_batch_make_up_the_whole() {
-        let whole: Vec<usize> = (0..10).collect();
-        let mut joined: Vec<usize> = (1..=4).flat_map(|index| Shard { index, count: 4 }.part(whole.clone())).collect();
-        assert_eq!(Shard::parse("2/4").unwrap().part(whole.clone()), [1, 5, 9]);
-        joined.sort_unstable();
-        assert_eq!(joined, whole);
     }
 }

@@ -11,6 +11,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::error::Category;
 
+use crate::results::folder::is_same_file;
 use crate::terminal::exit_code::Problem;
 
 /// Which files a command takes.
@@ -174,11 +175,6 @@ fn read_list(list: &str) -> Result<Vec<PathBuf>, Problem> {
         return refuse("lists no file; write one path per line");
     }
     Ok(entries)
-}
-
-/// Whether two paths lead to one file.
-pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
-    a == b || matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 pub(crate) mod atlas_job;
 pub(crate) mod atlas_plan;
 pub(crate) mod batch;
+pub(crate) mod demo_picture;
 pub(crate) mod fit_job;
 pub(crate) mod fit_plan;
 pub(crate) mod inputs;

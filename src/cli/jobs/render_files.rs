@@ -1,15 +1,19 @@
 //! The files of a rendering: image with layers, picture, map of the shading, light.
 
+use std::fmt::Display;
 use std::fs;
 use std::path::Path;
 
+use brdfit_figures::panel::{Panel, side_by_side};
+use brdfit_figures::png;
 use brdfit_renderer::{
-    COARSEST_LEVEL, Exposure, Film, FilmError, LatLong, LayerGroup, Light, LightBandwidth, Panel, Radiance,
-    finite_or_minus_one, shown, side_by_side, to_png,
+    COARSEST_LEVEL, Exposure, Film, FilmError, LatLong, LayerGroup, Light, LightBandwidth, Radiance,
+    finite_or_minus_one, shown,
 };
 
 use crate::jobs::render_frame::RenderedScene;
 use crate::jobs::render_plan::RenderPlan;
+use crate::report::shading_map;
 use crate::results::output;
 use crate::terminal::exit_code::Problem;
 
@@ -39,7 +43,7 @@ pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Pr
     }
     encoded(&files.image, film.to_exr())?;
     if let Some(path) = &files.png {
-        encoded(path, to_png(&shown(image, width, *exposure)))?;
+        encoded(path, png::encode(&shown(image, width, *exposure)))?;
     }
     if let Some(path) = &files.map {
         write_map(path, "", rendered)?;
@@ -63,15 +67,13 @@ pub(crate) fn write_map(path: &Path, title: &str, rendered: &Rendered<'_>) -> Re
     let mut planes = list.iter().flat_map(|layer| layer.planes());
     let levels = planes.find(|(component, _)| *component == "LEVEL").map_or(&[][..], |(_, plane)| plane);
     let levels: Vec<u8> = levels.iter().map(level).collect();
-    let panels = [
-        Panel::image("image", rendered.image, width, rendered.exposure),
-        Panel::levels("shaded once per", &levels, width),
-    ];
-    encoded(path, to_png(&side_by_side(title, &panels, 2)))
+    let panels =
+        [Panel::image("image", shown(rendered.image, width, rendered.exposure)), shading_map::panel(&levels, width)];
+    encoded(path, png::encode(&side_by_side(title, &panels, 2)))
 }
 
 /// Writes what an encoder made.
-fn encoded(path: &Path, bytes: Result<Vec<u8>, FilmError>) -> Result<(), Problem> {
+fn encoded(path: &Path, bytes: Result<Vec<u8>, impl Display>) -> Result<(), Problem> {
     match bytes {
         Ok(bytes) => output::write(path, &bytes),
         Err(error) => Err(Problem::computation(format!("{}: {error}", path.display()))),
@@ -96,7 +98,7 @@ fn light_map(light: &Light, bandwidth: &LightBandwidth) -> Result<Vec<u8>, FilmE
 pub(crate) fn read_image(path: &Path, [width, height]: [usize; 2]) -> Result<Vec<[f32; 3]>, Problem> {
     let bytes = fs::read(path).map_err(|error| Problem::reading(path, &error))?;
     let image = Radiance::from_exr(&bytes).and_then(|image| image.sized(width, height));
-    image.map(|image| image.pixels).map_err(|error| Problem::invalid(format!("{}: {error}", path.display())))
+    image.map(|image| image.pixels).map_err(|error| Problem::of(path.display(), &error))
 }
 
 /// The name of a file without its folder.

@@ -6,8 +6,8 @@ use brdfit_renderer::{Exposure, LayerGroup, RenderOptions};
 
 use crate::args::render::RenderArgs;
 use crate::args::value_enums::{BackgroundArg, LayerArg};
-use crate::jobs::inputs::is_same_file;
 use crate::jobs::render_options::options;
+use crate::results::folder::keep_inputs;
 use crate::results::output;
 use crate::terminal::exit_code::Problem;
 
@@ -101,11 +101,8 @@ fn check_places(args: &RenderArgs, files: &RenderTargets) -> Result<(), Problem>
         if written[..n].contains(path) {
             return Err(Problem::usage(format!("{}: is to be written twice; choose another name", path.display())));
         }
-        for input in std::iter::once(&args.scene).chain(&args.reference) {
-            if is_same_file(input, path) {
-                return Err(Problem::usage(format!("{}: would be overwritten; choose another name", path.display())));
-            }
-        }
+        let inputs = std::iter::once(&args.scene).chain(&args.reference).map(PathBuf::as_path);
+        keep_inputs(inputs, std::slice::from_ref(*path), "; choose another name")?;
         output::expect_place(path)?;
     }
     Ok(())
@@ -116,7 +113,7 @@ mod tests {
     use super::*;
     use brdfit_renderer::{Budget, Prefilter};
 
-    use crate::args::{Cli, Command};
+    use crate::args::cli::{Cli, Command};
     use clap::Parser;
 
     fn plan(line: &str) -> Result<RenderPlan, Problem> {

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use brdfit_bandwidth::{Atlas, AtlasChannels, AtlasError, Layout, LobeGrid, LobeOptions, compute_atlas, exr, ktx2};
+use brdfit_bandwidth::{Atlas, AtlasChannels, Layout, LobeGrid, LobeOptions, compute_atlas, exr, ktx2};
 use brdfit_brdf::{Brdf, GgxMaterial, Lambert};
 use brdfit_measured::SamplePosition;
 use brdfit_renderer::scene::{MaterialSource, SampleLocation, SceneMaterial};
@@ -59,10 +59,7 @@ impl LoadedScene {
     pub(crate) fn open(path: &Path, materials: Option<&Path>) -> anyhow::Result<Self> {
         let document = Document::open(path, "a scene")?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let failed = |error: SceneError| {
-            let message = format!("{}: {error}", path.display());
-            if error.is_invalid_input() { Problem::invalid(message) } else { Problem::input_output(message) }
-        };
+        let failed = |error: SceneError| Problem::of(path.display(), &error);
         let described = SceneDocument::read(document.bytes()).map_err(failed)?;
         let folders = Folders::new(folder, materials)?;
         let opened: Vec<_> = (described.materials.iter())
@@ -112,7 +109,7 @@ impl OpenedMaterial {
         let (channels, options) = (AtlasChannels::Max, LobeOptions::default());
         let grid: &LobeGrid = grid;
         let (atlas, _) = in_pool(|| compute_atlas(brdf.as_ref(), Layout::Isotropic, channels, grid, &options))
-            .map_err(|error| Problem::computation(format!("{member}: {error}")))?;
+            .map_err(|error| Problem::of(member, &error))?;
         Ok(LoadedMaterial { brdf, atlas: Some(atlas.rounded_up()) })
     }
 }
@@ -181,5 +178,5 @@ fn read_atlas(path: &Path) -> Result<Atlas, Problem> {
     let bytes = fs::read(path).map_err(|error| Problem::reading(path, &error))?;
     let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
     let read = if is_exr { exr::from_bytes(&bytes) } else { ktx2::from_bytes(&bytes) };
-    read.map(|(atlas, _)| atlas).map_err(|error: AtlasError| Problem::invalid(format!("{}: {error}", path.display())))
+    read.map(|(atlas, _)| atlas).map_err(|error| Problem::of(path.display(), &error))
 }

@@ -1,4 +1,5 @@
 //! Pictures that accompany results.
 
-pub(crate) mod demo_picture;
+pub(crate) mod atlas_preview;
+pub(crate) mod shading_map;
 pub(crate) mod slices;

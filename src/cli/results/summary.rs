@@ -4,33 +4,27 @@ use std::ffi::OsStr;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use brdfit_brdf::ModelName;
+use brdfit_fit::RecordedOptions;
 use brdfit_fit::document::{Failure, Flag, SCHEMA_VERSION, SummaryDocument, SummaryRow};
 use brdfit_measured::CHANNEL_NAMES;
 
-use crate::jobs::fit_job::{Job, PROGRAM};
-use crate::jobs::fit_plan::Shard;
+use crate::results::folder::{PROGRAM, ResultFolder};
 use crate::results::json;
 use crate::results::output;
+use crate::results::shard::Shard;
 use crate::terminal::exit_code::Problem;
 
 /// The document; this module knows its form, the batch its content.
 pub(crate) type Summary = SummaryDocument;
 
-/// Where the summary of a whole batch or of a shard lies.
-pub(crate) fn path(folder: &Path, shard: Option<Shard>) -> PathBuf {
-    match shard {
-        None => folder.join("summary.json"),
-        Some(shard) => folder.join(format!("summary.{shard}.json")),
-    }
-}
-
 /// An empty summary.
-pub(crate) fn new(job: &Job) -> Summary {
+pub(crate) fn new(model: ModelName, options: RecordedOptions) -> Summary {
     Summary {
         schema_version: SCHEMA_VERSION,
         program: PROGRAM.to_owned(),
-        options: job.recorded(),
-        model: job.model,
+        options,
+        model,
         materials: Vec::new(),
         failures: Vec::new(),
     }
@@ -45,11 +39,11 @@ pub(crate) fn order(failure: &Failure) -> (Option<&OsStr>, &str) {
 ///
 /// # Errors
 /// As [`output::write`].
-pub(crate) fn write(folder: &Path, shard: Option<Shard>, summary: &Summary) -> Result<PathBuf, Problem> {
+pub(crate) fn write(folder: &ResultFolder, shard: Option<Shard>, summary: &Summary) -> Result<PathBuf, Problem> {
     if shard.is_none() {
-        output::write_with(&folder.join("summary.csv"), |out| write_csv(out, summary))?;
+        output::write_with(&folder.summary_table(), |out| write_csv(out, summary))?;
     }
-    let path = path(folder, shard);
+    let path = folder.summary(shard);
     output::write(&path, &json::to_vec(summary))?;
     Ok(path)
 }
@@ -100,7 +94,7 @@ fn words(flags: &[Flag]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfit_brdf::{MaterialParameters, ModelName, SgdParameters};
+    use brdfit_brdf::{MaterialParameters, SgdParameters};
 
     fn lines(parameters: &MaterialParameters) -> Vec<String> {
         let material = SummaryRow {
@@ -112,16 +106,9 @@ mod tests {
             flags: [vec![], vec![Flag::NoPeak, Flag::RhoSWeak], vec![]],
         };
         let model = parameters.model();
-        let job = Job {
-            model,
-            sample_position: Default::default(),
-            options: brdfit_fit::FitOptions::new(model),
-            scan: true,
-            panel: true,
-            accept_non_finite: false,
-        };
+        let options = RecordedOptions::new(&brdfit_fit::FitOptions::new(model), Default::default());
         let mut bytes = Vec::new();
-        write_csv(&mut bytes, &Summary { materials: vec![material], ..new(&job) }).unwrap();
+        write_csv(&mut bytes, &Summary { materials: vec![material], ..new(model, options) }).unwrap();
         String::from_utf8(bytes).unwrap().lines().map(str::to_owned).collect()
     }
 

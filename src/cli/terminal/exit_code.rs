@@ -63,6 +63,11 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
+    /// With the exit code of an outcome.
+    pub(crate) fn new(outcome: Outcome, message: String) -> Self {
+        Self { outcome, message }
+    }
+
     /// The command line makes no sense (exit code 1).
     pub(crate) fn usage(message: impl Into<String>) -> Self {
         Self { outcome: Outcome::Usage, message: message.into() }

@@ -68,7 +68,7 @@ impl<D> FittedChannel<'_, D> {
             fresnel_range: model.parameters().fresnel().range(),
         };
         let standard_errors = self.standard_errors();
-        let steps = vec![self.report_step_1(), self.report_step_2()];
+        let steps = [self.report_step_1(), self.report_step_2()];
         let flags = self.flags(&derived, &steps);
         let name = CHANNEL_NAMES[self.lobe.channel].to_owned();
         Ok(ChannelFit { name, parameters, derived, standard_errors, steps, flags })

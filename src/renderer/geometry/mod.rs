@@ -2,6 +2,7 @@
 
 pub(crate) mod differentials;
 pub(crate) mod gbuffer;
+pub(crate) mod grazing;
 pub mod octahedral;
 pub mod sobol;
 pub(crate) mod spherical_rectangle;

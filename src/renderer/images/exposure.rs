@@ -1,6 +1,6 @@
 //! From radiance to what a display shows.
 
-use brdfit_bandwidth::preview::srgb;
+use brdfit_figures::srgb;
 
 use crate::lights::octahedral_light::LUMINANCE;
 

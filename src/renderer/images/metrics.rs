@@ -69,7 +69,7 @@ mod tests {
     #[test]
     fn known_differences_give_known_numbers() {
         // 8 of 255 steps of sRGB everywhere: 20 log10(255/8) = 30.069 dB
-        let shown = |byte: u8| [brdfit_bandwidth::preview::srgb::decode(f32::from(byte) / 255.0) / 3.0; 3];
+        let shown = |byte: u8| [brdfit_figures::srgb::decode(f32::from(byte) / 255.0) / 3.0; 3];
         let (x, y): (Vec<_>, Vec<_>) = (0..240).map(|byte| (shown(byte + 8), shown(byte))).unzip();
         let exposure = Exposure::new(3.0).unwrap();
         assert!((psnr(&x, &y, &[true; 240], exposure) - 30.069_3).abs() < 1e-3);

@@ -11,6 +11,7 @@ use std::ops::Range;
 
 use brdfit_brdf::BatchBrdf;
 
+use crate::geometry::grazing::LEAST_COSINE;
 use crate::geometry::sobol;
 use crate::geometry::vec3::Vec3;
 use crate::lights::light_set::{LightSet, LookUp, Samples};
@@ -383,10 +384,10 @@ impl Frame {
         ])
     }
 
-    /// Local direction to the eye; a cosine below 0.01 is taken as 0.01.
+    /// Local direction to the eye; a cosine below [`LEAST_COSINE`] is taken as that.
     fn towards_eye(&self, view: &Vec3) -> [f32; 3] {
         let [t, b, n] = &self.0;
-        let o = Vec3::new(t.dot(view), b.dot(view), n.dot(view).max(0.01));
+        let o = Vec3::new(t.dot(view), b.dot(view), n.dot(view).max(LEAST_COSINE));
         (o / o.norm()).into()
     }
 

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::geometry::differentials::Differentials;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
+use crate::geometry::grazing::LEAST_COSINE;
 use crate::passes::pass::Pass;
 use crate::passes::pilot::{GEOMETRY_BANDWIDTH, NEAR_MARGIN, Path, Pilot, Prediction};
 use crate::passes::transport::{BandLimit, Bounce, LARGEST};
@@ -92,7 +93,7 @@ fn reflected(gbuffer: &GBuffer, pilot: &Pilot, differentials: &Differentials, pi
 }
 
 fn cos_theta_x(gbuffer: &GBuffer, pixel: usize) -> f32 {
-    gbuffer.normal[pixel].dot(&gbuffer.view[pixel]).max(0.01)
+    gbuffer.normal[pixel].dot(&gbuffer.view[pixel]).max(LEAST_COSINE)
 }
 
 /// Equation (5) over the transported paths of the pixel's pilot point, with the pixel's own geometry. The light of a near lamp leaves

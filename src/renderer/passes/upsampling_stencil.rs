@@ -4,6 +4,7 @@
 use wide::f32x4;
 
 use crate::geometry::gbuffer::GBuffer;
+use crate::geometry::grazing::LEAST_COSINE;
 use crate::passes::pyramid::{Cell, Extent};
 
 /// A cell whose weights sum to less has nothing to be interpolated from.
@@ -188,7 +189,7 @@ fn stretched(cell: &Cell, n: usize, at: [usize; 2], gbuffer: &GBuffer) -> f32 {
         sign * (1.0 - LINEAR[second ^ (at % 2)])
     });
     let normal = gbuffer.axes.map(|axis| cell.normal.dot(&axis));
-    let cos_theta_x = cell.normal.dot(&((gbuffer.eye - cell.position) / cell.depth)).clamp(0.01, 1.0);
+    let cos_theta_x = cell.normal.dot(&((gbuffer.eye - cell.position) / cell.depth)).clamp(LEAST_COSINE, 1.0);
     let length = (normal[0] * normal[0] + normal[1] * normal[1]).sqrt();
     let (along, total) = step.zip(normal).fold((0.0, 0.0), |(along, total), (step, normal)| {
         (along + step * normal / length.max(f32::MIN_POSITIVE), total + step * step)

@@ -3,12 +3,10 @@
 use rayon::prelude::*;
 
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer, Surfaces, Viewpoint};
+use crate::geometry::grazing::LEAST_COSINE;
 use crate::geometry::vec3::Vec3;
 use crate::scene::Scene;
 use crate::shapes::intersection::Ray;
-
-/// Smallest cosine between a normal and the direction of the eye.
-const GRAZING: f32 = 0.01;
 
 /// One pixel of a [`GBuffer`].
 struct Surface {
@@ -102,17 +100,17 @@ impl Scene {
 }
 
 /// The interpolated normal as a unit vector, on the side of the triangle that the eye sees, and turned towards the eye where it is closer to
-/// perpendicular than [`GRAZING`] or turned away.
+/// perpendicular than [`LEAST_COSINE`] or turned away.
 fn seen_normal(interpolated: Vec3, [a, b, c]: [Vec3; 3], view: Vec3) -> Vec3 {
     let geometric = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or(view);
     let geometric = if geometric.dot(&view) < 0.0 { -geometric } else { geometric };
     let normal = interpolated.try_normalize(1e-6).unwrap_or(geometric);
     let normal = if normal.dot(&geometric) < 0.0 { -normal } else { normal };
-    if normal.dot(&view) >= GRAZING {
+    if normal.dot(&view) >= LEAST_COSINE {
         return normal;
     }
     // in double precision: a normal that nearly points away leaves few digits
-    let (normal, view, cos) = (normal.cast::<f64>(), view.cast::<f64>(), f64::from(GRAZING));
+    let (normal, view, cos) = (normal.cast::<f64>(), view.cast::<f64>(), f64::from(LEAST_COSINE));
     let across = (normal - view * (normal.dot(&view) / view.norm_squared())).try_normalize(1e-6);
     across.map_or(view, |across| view * cos + across * (1.0 - cos * cos).sqrt()).cast()
 }
@@ -179,7 +177,7 @@ mod tests {
         let view = Vec3::new(1.0, 0.0, 0.001).normalize();
         for n in [Vec3::new(-0.2, 0.3, 0.9), Vec3::new(0.0, 0.0, 1.0), Vec3::new(-1.0, 0.0, 0.01)] {
             let seen = seen_normal(n, triangle, view);
-            assert!((seen.norm() - 1.0).abs() < 1e-6 && (seen.dot(&view) - GRAZING).abs() < 1e-6);
+            assert!((seen.norm() - 1.0).abs() < 1e-6 && (seen.dot(&view) - LEAST_COSINE).abs() < 1e-6);
             // it stays in the plane of the normal and the view
             assert!(seen.dot(&n.cross(&view)).abs() < 1e-6 && seen.dot(&n) > 0.0);
         }

@@ -2,6 +2,7 @@
 
 use std::io::Cursor;
 
+use brdfit_figures::srgb;
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 
 use crate::scene::error::FileError;
@@ -29,7 +30,7 @@ impl Texture {
         reader.limits(limits);
         let image = reader.decode().map_err(|error| FileError::content(format!("not a usable PNG file: {error}")))?;
         let image = DynamicImage::into_rgb16(image);
-        let curve: Vec<f32> = (0..=u16::MAX).map(|code| srgb_to_linear(f64::from(code) / 65535.0) as f32).collect();
+        let curve: Vec<f32> = (0..=u16::MAX).map(|code| srgb::decode_f64(f64::from(code) / 65535.0) as f32).collect();
         let (width, height) = (image.width() as usize, image.height() as usize);
         let texels = image.pixels().map(|pixel| pixel.0.map(|code| curve[usize::from(code)])).collect();
         Ok(Self { width, height, texels })
@@ -59,11 +60,6 @@ fn between(x: f32, count: usize) -> ([usize; 2], f32) {
     let low = place.floor();
     let first = if low < 0.0 { count - 1 } else { (low as usize).min(count - 1) };
     ([first, (first + 1) % count], place - low)
-}
-
-/// IEC 61966-2-1.
-fn srgb_to_linear(x: f64) -> f64 {
-    if x <= 0.04045 { x / 12.92 } else { libm::pow((x + 0.055) / 1.055, 2.4) }
 }
 
 /// What multiplies a BRDF over a surface.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use brdfit_bandwidth::preview::srgb;
+use brdfit_figures::srgb;
 use brdfit_renderer::{Exposure, flip};
 use serde::Deserialize;
 

@@ -4,17 +4,21 @@
 //! table that is at the same time the legend are what makes the picture readable, and the same document gives the same
 //! bytes whatever else the process has drawn.
 
-mod axis;
 mod panel;
-mod svg;
 
 use std::fmt::Write;
 
-use axis::{AngleAxis, LogAxis};
+use brdfit_figures::axis::{AngleAxis, LogAxis};
+use brdfit_figures::svg::{escape, indexed, number};
 use brdfit_fit::document::{ErrorPanel, FitDocument};
 use brdfit_measured::CHANNEL_NAMES;
 use panel::{BOTTOM, COLOURS, LINE_WIDTHS, Panel, below_axis_marker, marker};
-use svg::{escape, indexed, number, put};
+
+/// Appends a formatted line. Writing to a string cannot fail.
+macro_rules! put {
+    ($out:expr, $($text:tt)*) => {{ let _ = writeln!($out, $($text)*); }};
+}
+use put;
 
 const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 604.0;
@@ -178,6 +182,12 @@ mod tests {
 
     /// A document with the given name and curves over three angles in each slice.
     fn document(name: &str, measured: Value, fitted: Value) -> FitDocument {
+        let step = |name: &str| {
+            json!({
+                "name": name, "solver": "convex", "rows": 3, "cost": 0.0, "residual_norm": 0.0, "iterations": 0,
+                "termination": "gtol", "start": 0, "active_bounds": [], "condition_number": 1.0
+            })
+        };
         let channel = |name: &str| {
             json!({
                 "name": name,
@@ -186,7 +196,7 @@ mod tests {
                     "K": 1.0, "fr": 0.05, "anchor": 1.0, "albedo": [0.1, 0.1, 0.1, 0.1], "fresnel_range": [0.1, 1.0],
                     "g1": { "lambda": 1.0, "theta0": 0.5, "k": 3.0, "log10_c": 0.0, "max_error": 0.0, "rms_error": 0.0 }
                 },
-                "standard_errors": {}, "steps": [], "flags": []
+                "standard_errors": {}, "steps": [step("theta_h"), step("theta_d")], "flags": []
             })
         };
         let both = |curve: Value| {

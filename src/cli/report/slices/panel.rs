@@ -2,8 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::report::slices::axis::{AngleAxis, LogAxis, Tick};
-use crate::report::slices::svg::{label, label_width, put};
+use brdfit_figures::axis::{AngleAxis, LogAxis, Tick};
+use brdfit_figures::svg::{label, label_width};
+
+use crate::report::slices::put;
 
 /// Top and bottom of every panel.
 pub(super) const TOP: f64 = 100.0;

@@ -1,7 +1,7 @@
 //! The picture at the end of `brdfit demo`: the fitted material on a sphere, beside the map of where it was shaded.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use brdfit_renderer::scene::{
     CameraDocument, LightDocument, MaterialSource, MeshDocument, ObjectDocument, SceneMaterial,
@@ -9,11 +9,11 @@ use brdfit_renderer::scene::{
 use brdfit_renderer::{Budget, Procedural, RenderOptions, SceneDocument};
 
 use crate::args::value_enums::BackgroundArg;
-use crate::jobs::atlas_job::file_name;
 use crate::jobs::batch::in_pool;
 use crate::jobs::render_files::{Rendered, write_map};
 use crate::jobs::render_frame::RenderedScene;
 use crate::jobs::render_scene::LoadedScene;
+use crate::results::folder::{ResultFile, ResultFolder};
 use crate::results::json;
 use crate::results::output;
 
@@ -31,9 +31,8 @@ pub(crate) struct PictureFiles {
 
 impl PictureFiles {
     /// The files for a material in a folder.
-    pub(crate) fn new(folder: &Path, name: &str) -> Self {
-        let file = |extension: &str| folder.join(format!("{name}.{extension}"));
-        Self { scene: file("scene.json"), picture: file("render.png") }
+    pub(crate) fn new(folder: &ResultFolder, name: &str) -> Self {
+        Self { scene: folder.file(ResultFile::Scene, name), picture: folder.file(ResultFile::Rendering, name) }
     }
 
     /// Writes the scene and renders it. The fit and the atlas of the material lie beside the scene.
@@ -55,8 +54,8 @@ impl PictureFiles {
 /// A sphere of the material under the built-in sky.
 fn scene(name: &str) -> SceneDocument {
     let material = SceneMaterial {
-        source: MaterialSource::Fit(format!("{name}.json")),
-        atlas: Some(file_name(name, "ktx2")),
+        source: MaterialSource::Fit(ResultFile::Fit.name(name)),
+        atlas: Some(ResultFile::AtlasKtx2.name(name)),
         albedo: None,
     };
     SceneDocument {

@@ -2,16 +2,16 @@
 
 /// A mark on an axis.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Tick {
+pub struct Tick {
     /// Where, 0 at the start of the axis and 1 at its end.
-    pub(super) at: f64,
+    pub at: f64,
     /// What stands beside it; nothing at a minor tick.
-    pub(super) label: Option<Label>,
+    pub label: Option<Label>,
 }
 
 /// The text of a tick.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Label {
+pub enum Label {
     /// As it stands.
     Plain(String),
     /// Ten to this power.
@@ -20,7 +20,7 @@ pub(super) enum Label {
 
 /// A logarithmic axis whose ends are 1, 2 or 5 times a power of ten.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct LogAxis {
+pub struct LogAxis {
     low: f64,
     high: f64,
     ticks: Vec<Tick>,
@@ -28,7 +28,8 @@ pub(super) struct LogAxis {
 
 impl LogAxis {
     /// The axis that holds `least` and `most`, both above zero.
-    pub(super) fn new(least: f64, most: f64) -> Self {
+    #[must_use]
+    pub fn new(least: f64, most: f64) -> Self {
         let (low, high) = (round_down(least), round_up(most));
         let mut axis = Self { low: log10(low), high: log10(high), ticks: Vec::new() };
         let decades = axis.high - axis.low;
@@ -56,19 +57,21 @@ impl LogAxis {
     }
 
     /// Where a value lies: below 0 or above 1 if it is not on the axis, minus infinity if it has no logarithm.
-    pub(super) fn position(&self, value: f64) -> f64 {
+    #[must_use]
+    pub fn position(&self, value: f64) -> f64 {
         if value > 0.0 { (log10(value) - self.low) / (self.high - self.low) } else { f64::NEG_INFINITY }
     }
 
     /// Its ticks in rising order.
-    pub(super) fn ticks(&self) -> &[Tick] {
+    #[must_use]
+    pub fn ticks(&self) -> &[Tick] {
         &self.ticks
     }
 }
 
 /// An axis of angles from 0 to 90 degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum AngleAxis {
+pub enum AngleAxis {
     /// Even.
     Linear,
     /// By the square root, as the bins of theta_h: a narrow peak becomes visible.
@@ -77,7 +80,8 @@ pub(super) enum AngleAxis {
 
 impl AngleAxis {
     /// Where an angle in degrees lies.
-    pub(super) fn position(self, degrees: f64) -> f64 {
+    #[must_use]
+    pub fn position(self, degrees: f64) -> f64 {
         let share = (degrees / 90.0).clamp(0.0, 1.0);
         match self {
             Self::Linear => share,
@@ -86,7 +90,8 @@ impl AngleAxis {
     }
 
     /// Its ticks in rising order.
-    pub(super) fn ticks(self) -> Vec<Tick> {
+    #[must_use]
+    pub fn ticks(self) -> Vec<Tick> {
         let degrees: &[u32] = match self {
             Self::Linear => &[0, 15, 30, 45, 60, 75, 90],
             Self::SquareRoot => &[0, 1, 5, 10, 20, 30, 45, 60, 75, 90],

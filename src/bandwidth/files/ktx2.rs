@@ -11,11 +11,11 @@ use half::f16;
 
 use crate::atlas::error::AtlasError;
 use crate::atlas::f16_round_up::f16_rounded_up;
-use crate::atlas::sidecar::{Provenance, attributes, from_attributes, stored_range};
+use crate::atlas::sidecar::{Provenance, stored_range};
 use crate::atlas::texture::{Atlas, AtlasChannels, LEVELS, SIZE, level_size};
+use crate::files::attributes::{attributes, from_attributes};
+use crate::files::{atlas_of_levels, read_all};
 
-/// No atlas file is longer, in bytes; a reader stops there.
-const LONGEST: u64 = 64 << 20;
 /// Bytes of one stored value, which are also the `typeSize` of both formats.
 const VALUE: usize = 2;
 /// Where the primaries lie in the data format descriptor: 4 bytes of total size, 8 of block header, the colour model.
@@ -123,9 +123,7 @@ pub fn write(atlas: &Atlas, provenance: &Provenance, mut output: impl Write) -> 
 /// # Errors
 /// [`AtlasError::Io`] if `input` fails, and the errors of [`from_bytes`].
 pub fn read(input: impl Read) -> Result<(Atlas, Provenance), AtlasError> {
-    let mut bytes = Vec::new();
-    input.take(LONGEST).read_to_end(&mut bytes)?;
-    from_bytes(&bytes)
+    from_bytes(&read_all(input)?)
 }
 
 /// Reads a file that [`to_bytes`] wrote, or another program in the same structure.
@@ -182,7 +180,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<(Atlas, Provenance), AtlasError> {
         let data = section(bytes, &format!("level {k}"), entry.byte_offset, length)?;
         levels.push(data.as_chunks().0.iter().map(|&pair| f16::from_le_bytes(pair).to_f32()).collect());
     }
-    Ok((Atlas::from_levels(layout, channels, levels)?, provenance))
+    Ok((atlas_of_levels(layout, channels, levels)?, provenance))
 }
 
 fn check_header(header: &Header) -> Result<AtlasChannels, AtlasError> {

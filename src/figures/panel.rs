@@ -1,16 +1,10 @@
-//! Pictures for people: images and false-colour maps side by side, with titles and legends. Values are lost in them.
+//! Images and false-colour maps side by side, with titles and legends. Values cannot be read back from them.
 
-use brdfit_bandwidth::preview::canvas::{
-    Align, BACKGROUND, BAR, FAINT, INK, LABEL, TITLE, colour_bar, fill, text, text_width,
-};
-use brdfit_bandwidth::preview::scale::{Scale, ZERO, colour};
 use image::{Rgb, RgbImage, imageops};
 
-use crate::images::exposure::Exposure;
-use crate::images::film::shown;
+use crate::canvas::{Align, BACKGROUND, BAR, FAINT, INK, TextSize, colour_bar, fill, text, text_width};
+use crate::scale::Scale;
 
-/// Levels of the hierarchy of cells, 0 (single pixels) to 5 (32 x 32 pixels).
-const LEVELS: usize = 6;
 /// Pixels from the outer edge to whatever is drawn.
 const MARGIN: u32 = 24;
 /// Pixels between a picture and its legend.
@@ -27,68 +21,74 @@ pub struct Panel {
     legend: Legend,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Legend {
     None,
-    Levels,
+    Classes(Vec<Class>),
     Bar(Scale),
 }
 
+/// A colour of a map and what it stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Class {
+    /// As it is drawn.
+    pub colour: Rgb<u8>,
+    /// What stands beside it in the legend, in ASCII or Latin-1.
+    pub label: String,
+}
+
 impl Legend {
-    fn width(self) -> u32 {
+    fn width(&self) -> u32 {
         match self {
             Self::None => 0,
-            Self::Levels => GAP + BAR + 9 + text_width("32 x 32", LABEL),
-            Self::Bar(_) => GAP + BAR + 9 + text_width("0.015625+", LABEL),
+            Self::Classes(classes) => {
+                let labels = classes.iter().map(|class| text_width(&class.label, TextSize::Label));
+                GAP + BAR + 9 + labels.max().unwrap_or(0)
+            }
+            Self::Bar(_) => GAP + BAR + 9 + text_width("0.015625+", TextSize::Label),
         }
     }
 
-    fn height(self) -> u32 {
+    fn height(&self) -> u32 {
         match self {
             Self::None => 0,
-            Self::Levels => LEVELS as u32 * 2 * LABEL.val() as u32,
-            Self::Bar(_) => 6 * LABEL.val() as u32,
+            Self::Classes(classes) => classes.len() as u32 * 2 * TextSize::Label.height(),
+            Self::Bar(_) => 6 * TextSize::Label.height(),
         }
     }
 
-    fn draw(self, picture: &mut RgbImage, [x, y]: [u32; 2], height: u32) {
+    fn draw(&self, picture: &mut RgbImage, [x, y]: [u32; 2], height: u32) {
         match self {
             Self::None => {}
-            Self::Levels => {
-                let line = LABEL.val() as u32;
-                for level in 0..LEVELS {
-                    let at = y + level as u32 * 2 * line;
-                    fill(picture, x, at, BAR, 2 * line, level_colour(level));
-                    let side = 1 << level;
-                    text(picture, [x + BAR + 9, at + line / 2], &format!("{side} x {side}"), LABEL, Align::Left, INK);
+            Self::Classes(classes) => {
+                let line = TextSize::Label.height();
+                for (k, Class { colour, label }) in (0..).zip(classes) {
+                    let at = y + k * 2 * line;
+                    fill(picture, x, at, BAR, 2 * line, *colour);
+                    text(picture, [x + BAR + 9, at + line / 2], label, TextSize::Label, Align::Left, INK);
                 }
             }
-            Self::Bar(scale) => colour_bar(picture, [x, y], height, scale),
+            Self::Bar(scale) => colour_bar(picture, [x, y], height, *scale),
         }
     }
 }
 
 impl Panel {
-    /// Radiance as a display shows it.
-    ///
-    /// # Panics
-    /// If the number of pixels is not a multiple of the width.
+    /// A picture as it is.
     #[must_use]
-    pub fn image(title: &str, pixels: &[[f32; 3]], width: usize, exposure: Exposure) -> Self {
-        let picture = shown(pixels, width, exposure);
+    pub fn image(title: &str, picture: RgbImage) -> Self {
         Self { title: title.to_owned(), note: String::new(), picture, legend: Legend::None }
     }
 
-    /// The size of the cell that each pixel belongs to, as its level 0 (bright, single pixels) to 5 (dark, 32 x 32
-    /// pixels); any larger number, such as for the background, is grey.
+    /// A map of a few classes. A pixel gives the index of its class; one that is not in the list is drawn in `others`.
     ///
     /// # Panics
     /// If the number of pixels is not a multiple of the width.
     #[must_use]
-    pub fn levels(title: &str, levels: &[u8], width: usize) -> Self {
-        let colour = |&level: &u8| if usize::from(level) < LEVELS { level_colour(usize::from(level)) } else { ZERO };
-        let picture = coloured(levels.iter().map(colour), width);
-        Self { title: title.to_owned(), note: "pixels per cell".to_owned(), picture, legend: Legend::Levels }
+    pub fn classes(title: &str, classes: Vec<Class>, others: Rgb<u8>, pixels: &[u8], width: usize) -> Self {
+        let colour = |&pixel: &u8| classes.get(usize::from(pixel)).map_or(others, |class| class.colour);
+        let picture = coloured(pixels.iter().map(colour), width);
+        Self { title: title.to_owned(), note: String::new(), picture, legend: Legend::Classes(classes) }
     }
 
     /// A quantity on a logarithmic scale between two powers of two; 0, negative values and what is no number are grey,
@@ -105,7 +105,7 @@ impl Panel {
         Self { title: title.to_owned(), note: unit.to_owned(), picture, legend: Legend::Bar(scale) }
     }
 
-    /// Says something else in the line below the title than the unit of a map.
+    /// What stands in the line below the title, for a quantity instead of its unit.
     #[must_use]
     pub fn note(mut self, note: &str) -> Self {
         note.clone_into(&mut self.note);
@@ -119,14 +119,14 @@ impl Panel {
     }
 
     fn size(&self) -> [u32; 2] {
-        let words = text_width(&self.title, LABEL).max(text_width(&self.note, LABEL));
+        let words = text_width(&self.title, TextSize::Label).max(text_width(&self.note, TextSize::Label));
         let (width, height) = self.picture.dimensions();
         [(width + self.legend.width()).max(words), HEADING + height.max(self.legend.height())]
     }
 
     fn draw(&self, page: &mut RgbImage, [x, y]: [u32; 2]) {
-        text(page, [x, y + 2], &self.title, LABEL, Align::Left, INK);
-        text(page, [x, y + 20], &self.note, LABEL, Align::Left, FAINT);
+        text(page, [x, y + 2], &self.title, TextSize::Label, Align::Left, INK);
+        text(page, [x, y + 20], &self.note, TextSize::Label, Align::Left, FAINT);
         let (width, height) = self.picture.dimensions();
         imageops::replace(page, &self.picture, i64::from(x), i64::from(y + HEADING));
         self.legend.draw(page, [x + width + GAP, y + HEADING], height.max(self.legend.height()));
@@ -156,17 +156,13 @@ pub fn side_by_side(title: &str, panels: &[Panel], columns: usize) -> RgbImage {
         })
     };
     let (x, y) = (starts(MARGIN, &widths), starts(MARGIN + 28, &heights));
-    let width = x[columns].max(2 * MARGIN + text_width(title, TITLE));
+    let width = x[columns].max(2 * MARGIN + text_width(title, TextSize::Title));
     let mut page = RgbImage::from_pixel(width, y[heights.len()], BACKGROUND);
-    text(&mut page, [MARGIN, MARGIN - 4], title, TITLE, Align::Left, INK);
+    text(&mut page, [MARGIN, MARGIN - 4], title, TextSize::Title, Align::Left, INK);
     for (k, panel) in panels.iter().enumerate() {
         panel.draw(&mut page, [x[k % columns], y[k / columns]]);
     }
     page
-}
-
-fn level_colour(level: usize) -> Rgb<u8> {
-    colour(1.0 - level as f32 / (LEVELS - 1) as f32)
 }
 
 fn coloured(pixels: impl ExactSizeIterator<Item = Rgb<u8>>, width: usize) -> RgbImage {
@@ -179,19 +175,19 @@ fn coloured(pixels: impl ExactSizeIterator<Item = Rgb<u8>>, width: usize) -> Rgb
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scale::{ZERO, colour};
+
+    fn classes() -> Vec<Class> {
+        let class = |(t, label): (f32, &str)| Class { colour: colour(t), label: label.to_owned() };
+        [(0.0, "dark"), (0.5, "between"), (1.0, "bright")].map(class).into()
+    }
 
     #[test]
-    fn levels_can_be_told_apart() {
-        let panel = Panel::levels("levels", &[0, 1, 2, 3, 4, 5, 6, 255], 4);
+    fn classes_have_their_colours_and_what_is_none_another() {
+        let panel = Panel::classes("classes", classes(), ZERO, &[0, 1, 2, 3, 255, 1], 3);
         let colours: Vec<_> = panel.picture().pixels().copied().collect();
-        assert_eq!(panel.picture().dimensions(), (4, 2));
-        for k in 0..6 {
-            for other in 0..k {
-                let apart = (0..3).map(|c| colours[k].0[c].abs_diff(colours[other].0[c])).max().unwrap();
-                assert!(apart > 30, "{k} and {other}: {:?} and {:?}", colours[k], colours[other]);
-            }
-        }
-        assert_eq!(colours[6..], [ZERO; 2]);
+        assert_eq!(panel.picture().dimensions(), (3, 2));
+        assert_eq!(colours, [colour(0.0), colour(0.5), colour(1.0), ZERO, ZERO, colour(0.5)]);
     }
 
     #[test]
@@ -210,12 +206,12 @@ mod tests {
 
     #[test]
     fn panels_keep_their_pixels_and_the_margin_stays_free() {
-        let pixels: Vec<[f32; 3]> = (0..40 * 30).map(|k| [k as f32 / 1200.0, 0.5, 0.1]).collect();
-        let levels: Vec<u8> = (0..40 * 30).map(|k| (k % 7) as u8).collect();
+        let picture = RgbImage::from_fn(40, 30, |x, y| Rgb([x as u8 * 6, y as u8 * 8, 9]));
+        let pixels: Vec<u8> = (0..40 * 30).map(|k| (k % 7) as u8).collect();
         let values: Vec<f32> = (0..40 * 30).map(|k| (k as f32).exp2() * 1e-3).collect();
         let panels = [
-            Panel::image("an image", &pixels, 40, Exposure::ONE).note("exposure 1"),
-            Panel::levels("levels", &levels, 40),
+            Panel::image("an image", picture).note("exposure 1"),
+            Panel::classes("classes", classes(), ZERO, &pixels, 40),
             Panel::quantity("a quantity", "cycles per radian", &values, 40),
         ];
         for columns in 1..5 {

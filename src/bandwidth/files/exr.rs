@@ -19,11 +19,10 @@ use rayon::prelude::*;
 
 use crate::atlas::error::AtlasError;
 use crate::atlas::f16_round_up::f16_rounded_up;
-use crate::atlas::sidecar::{Provenance, attributes, from_attributes, stored_range};
+use crate::atlas::sidecar::{Provenance, stored_range};
 use crate::atlas::texture::{Atlas, AtlasChannels, LEVELS, SIZE, level_size};
-
-/// No atlas file is longer, in bytes; a reader stops there.
-const LONGEST: u64 = 64 << 20;
+use crate::files::attributes::{attributes, from_attributes};
+use crate::files::{atlas_of_levels, read_all};
 
 /// Precision of the stored values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -163,9 +162,7 @@ fn block_data(atlas: &Atlas, samples: Samples, header: &Header, index: ::exr::bl
 /// # Errors
 /// [`AtlasError::Io`] if `input` fails, and the errors of [`from_bytes`].
 pub fn read(input: impl Read) -> Result<(Atlas, Provenance), AtlasError> {
-    let mut bytes = Vec::new();
-    input.take(LONGEST).read_to_end(&mut bytes)?;
-    from_bytes(&bytes)
+    from_bytes(&read_all(input)?)
 }
 
 /// Reads a file that [`to_bytes`] wrote, or another program in the same structure (uncompressed, RLE or ZIP).
@@ -210,7 +207,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<(Atlas, Provenance), AtlasError> {
     for block in &blocks {
         fill(&mut levels[block.index.layer], block, &meta.headers[block.index.layer], channels);
     }
-    Ok((Atlas::from_levels(layout, channels, levels)?, provenance))
+    Ok((atlas_of_levels(layout, channels, levels)?, provenance))
 }
 
 fn check_part(k: usize, header: &Header, channels: AtlasChannels) -> Result<(), AtlasError> {

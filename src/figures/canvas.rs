@@ -1,23 +1,45 @@
-//! Drawing on an image, for pictures that explain: rectangles, text, discs of texels and colour bars.
+//! Painting on an image: rectangles, text, discs of texels and colour bars.
 
 use image::{Rgb, RgbImage};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
-use crate::preview::scale::{Scale, ZERO, colour};
+use crate::scale::{Scale, ZERO, colour};
 
-/// Paper.
+/// Colour of the page.
 pub const BACKGROUND: Rgb<u8> = Rgb([255, 255, 255]);
-/// Text that matters.
+/// Colour of titles and values.
 pub const INK: Rgb<u8> = Rgb([40, 40, 46]);
-/// Text beside it.
+/// Colour of captions and units.
 pub const FAINT: Rgb<u8> = Rgb([120, 120, 128]);
 /// Width of a colour bar without its labels, in pixels.
 pub const BAR: u32 = 22;
 
-/// Height of the text of titles.
-pub const TITLE: RasterHeight = RasterHeight::Size20;
-/// Height of all other text.
-pub const LABEL: RasterHeight = RasterHeight::Size16;
+/// How large a text is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TextSize {
+    /// Titles of figures.
+    Title,
+    /// All other text.
+    Label,
+}
+
+impl TextSize {
+    /// Height of a line of text in pixels.
+    #[must_use]
+    pub const fn height(self) -> u32 {
+        match self {
+            Self::Title => 20,
+            Self::Label => 16,
+        }
+    }
+
+    fn raster(self) -> RasterHeight {
+        match self {
+            Self::Title => RasterHeight::Size20,
+            Self::Label => RasterHeight::Size16,
+        }
+    }
+}
 
 /// Where a text lies relative to the point it is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,12 +66,12 @@ pub fn fill(image: &mut RgbImage, x: u32, y: u32, width: u32, height: u32, colou
 
 /// Width of a text in pixels.
 #[must_use]
-pub fn text_width(text: &str, size: RasterHeight) -> u32 {
-    (text.chars().count() * get_raster_width(FontWeight::Regular, size)) as u32
+pub fn text_width(text: &str, size: TextSize) -> u32 {
+    (text.chars().count() * get_raster_width(FontWeight::Regular, size.raster())) as u32
 }
 
 /// One line of text whose upper edge is `y`; what the font lacks becomes a question mark, what does not fit is cut off.
-pub fn text(image: &mut RgbImage, [x, y]: [u32; 2], text: &str, size: RasterHeight, align: Align, ink: Rgb<u8>) {
+pub fn text(image: &mut RgbImage, [x, y]: [u32; 2], text: &str, size: TextSize, align: Align, ink: Rgb<u8>) {
     let width = text_width(text, size);
     let mut left = match align {
         Align::Left => x,
@@ -57,8 +79,8 @@ pub fn text(image: &mut RgbImage, [x, y]: [u32; 2], text: &str, size: RasterHeig
         Align::Right => x.saturating_sub(width),
     };
     for c in text.chars() {
-        let Some(glyph) =
-            get_raster(c, FontWeight::Regular, size).or_else(|| get_raster('?', FontWeight::Regular, size))
+        let Some(glyph) = get_raster(c, FontWeight::Regular, size.raster())
+            .or_else(|| get_raster('?', FontWeight::Regular, size.raster()))
         else {
             continue;
         };
@@ -100,7 +122,7 @@ pub fn disc(
 /// A vertical colour bar with a tick at every power of two, or at every second or third where they are too many, a plus at
 /// the uppermost where larger values share its colour, and below it the colour of 0. Occupies `height` pixels from y.
 pub fn colour_bar(image: &mut RgbImage, [x, y]: [u32; 2], height: u32, scale: Scale) {
-    let line = LABEL.val() as u32;
+    let line = TextSize::Label.height();
     let bar = height - 2 * line;
     for row in 0..bar {
         let t = 1.0 - (row as f32 + 0.5) / bar as f32;
@@ -108,7 +130,7 @@ pub fn colour_bar(image: &mut RgbImage, [x, y]: [u32; 2], height: u32, scale: Sc
     }
     let label = |image: &mut RgbImage, at: u32, value: &str| {
         fill(image, x + BAR, at, 5, 1, INK);
-        text(image, [x + BAR + 9, at.saturating_sub(line / 2)], value, LABEL, Align::Left, INK);
+        text(image, [x + BAR + 9, at.saturating_sub(line / 2)], value, TextSize::Label, Align::Left, INK);
     };
     let step = (1..).find(|step| bar * step / scale.octaves().unsigned_abs() >= 2 * line).unwrap_or(1);
     for power in (scale.low..=scale.high).rev().step_by(step as usize) {

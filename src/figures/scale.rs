@@ -1,8 +1,8 @@
-//! From bandwidths to colours.
+//! From values to colours: a perceptual colour map and a logarithmic scale.
 
 use image::Rgb;
 
-use crate::preview::srgb::byte;
+use crate::srgb::byte;
 
 /// Colour of the value 0, which has no logarithm.
 pub const ZERO: Rgb<u8> = Rgb([205, 205, 205]);

@@ -1,18 +1,13 @@
-//! The little SVG that a picture needs.
+//! The text of vector figures: escaping, indices, numbers and tick labels.
 
-use crate::report::slices::axis::Label;
+use crate::axis::Label;
 
 /// Size of an index or exponent beside text of 12 or 13 pixels.
 const INDEX_SIZE: f64 = 9.0;
 
-/// Appends a formatted line. Writing to a string cannot fail.
-macro_rules! put {
-    ($out:expr, $($text:tt)*) => {{ let _ = writeln!($out, $($text)*); }};
-}
-pub(super) use put;
-
 /// Text of a document for an element or an attribute; characters that XML forbids are left out.
-pub(super) fn escape(text: &str) -> String {
+#[must_use]
+pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
         match character {
@@ -30,13 +25,15 @@ pub(super) fn escape(text: &str) -> String {
 
 /// A symbol with its index, and what follows in the same line of text. Sizes are absolute and the space is a shift:
 /// not every viewer knows percentages, and some drop a leading space.
-pub(super) fn indexed(symbol: &str, index: &str, rest: &str) -> String {
+#[must_use]
+pub fn indexed(symbol: &str, index: &str, rest: &str) -> String {
     let index = format!("{symbol}<tspan dy=\"3\" font-size=\"{INDEX_SIZE}\">{index}</tspan>");
     if rest.is_empty() { index } else { format!("{index}<tspan dx=\"4\" dy=\"-3\">{rest}</tspan>") }
 }
 
 /// The text of a tick.
-pub(super) fn label(label: &Label) -> String {
+#[must_use]
+pub fn label(label: &Label) -> String {
     match label {
         Label::Plain(text) => escape(text),
         Label::PowerOfTen(0) => "1".to_owned(),
@@ -50,7 +47,8 @@ pub(super) fn label(label: &Label) -> String {
 
 /// About how wide the text of a tick is. Text with an index or exponent starts at its anchor, as not every viewer can centre
 /// or end it there.
-pub(super) fn label_width(label: &Label) -> f64 {
+#[must_use]
+pub fn label_width(label: &Label) -> f64 {
     match label {
         Label::Plain(text) => 7.0 * text.chars().count() as f64,
         Label::PowerOfTen(0) => 7.0,
@@ -60,7 +58,8 @@ pub(super) fn label_width(label: &Label) -> f64 {
 }
 
 /// Three significant digits, short.
-pub(super) fn number(value: f64) -> String {
+#[must_use]
+pub fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
