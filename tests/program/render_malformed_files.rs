@@ -61,7 +61,7 @@ fn materials() {
         |file| json!({ "measured": { "file": file } }),
         &[
             ("gone.binary", 2, "no such file; check the path"),
-            ("folder.binary", 2, "is a folder, not a MERL file"),
+            ("folder.binary", 2, "is a folder, not a measured file"),
             ("empty.binary", 3, "the file is empty (0 bytes)"),
             ("cut.binary", 3, "truncated: 1012 of 34992012 bytes"),
         ],
