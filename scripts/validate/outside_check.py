@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
-"""Compare our image of a sphere under an environment map with one by Mitsuba 3 (PyPI: mitsuba), direct light only.
+"""Compare our image of a sphere or a floor with one by Mitsuba 3 (PyPI: mitsuba), direct light only.
 
-    outside_check.py SCENE.json LIGHT.exr OURS.exr [--spp 1024] [--save THEIRS.exr]
+    outside_check.py SCENE.json OURS.exr [--light LIGHT.exr] [--spp 1024] [--save THEIRS.exr]
     outside_check.py --self-check
 
-SCENE.json: one sphere around the origin, its material `lambert`, or `ggx` with rho_d = 0. LIGHT.exr: the light by latitude
-and longitude as this program exports it; what the scene says about its light is not read. Prints relMSE over the pixels
-that are at least two pixels inside the silhouette; ends with 7 above 1e-3. Mitsuba averages over the area of a pixel (box
-filter), we look through its centre: inside the silhouette the difference is of second order.
+SCENE.json: one sphere around the origin, or one plane that fills the image, its material `lambert`, or `ggx` with rho_d = 0.
+Its lights are the rectangles that it lists and, where it has an environment or procedural light, LIGHT.exr: that light by
+latitude and longitude as this program exports it. Rectangles must not be in view, nor hide LIGHT.exr: we have no shadows.
+Prints relMSE over the pixels that are at least two pixels inside the silhouette; ends with 7 above 1e-3. Mitsuba averages
+over the area of a pixel (box filter), we look through its centre: inside the silhouette the difference is of second order.
 
 --self-check compares Mitsuba with a direct sum over all texels of a light, at some pixels, for both materials: that proves
-the conventions written down here (camera, turn of the light, alpha = m, separate masking of either direction, F = 1)
+the conventions written down here (camera, turn of the light, separate masking of either direction, F = 1)
 without our renderer.
 """
 import argparse
@@ -59,22 +60,55 @@ def their_light(light):
     return look_up(light, d[..., [1, 0, 2]] * [1, -1, 1]).astype(np.float32)
 
 
+def width(ggx):
+    """The alpha of a GGX material, by either of its names."""
+    return ggx["alpha"] if "alpha" in ggx else ggx["m"]
+
+
 def their_material(material):
     """A BRDF by its name and its parameters in our scenes."""
     (name, value), = material.items()
     if name == "lambert":
         return {"type": "diffuse", "reflectance": {"type": "rgb", "value": value}}
     if name == "ggx" and not any(value["rho_d"]):
-        # GGX, Smith's masking of either direction, alpha = m; a conductor without material reflects everything
+        # GGX, Smith's masking of either direction; a conductor without material reflects everything
         scale = {"type": "rgb", "value": value["rho_s"]}
-        lobe = {"type": "roughconductor", "distribution": "ggx", "alpha": value["m"], "material": "none"}
+        lobe = {"type": "roughconductor", "distribution": "ggx", "alpha": width(value), "material": "none"}
         return {**lobe, "specular_reflectance": scale}
     raise ValueError(f"{name} has no counterpart (ggx: rho_d must be 0)")
 
 
-def render(camera, radius, material, light, spp, seed=0):
-    """Mitsuba's image, (height, width, 3), linear radiance, the background 0."""
+def their_rectangle(rect):
+    """One of our rectangle lights."""
+    (u, v), corner = np.array(rect["edges"], float), np.array(rect["corner"], float)
+    n = np.cross(u, v)
+    # theirs spans [-1, 1]^2 and emits towards +z
+    columns = [u / 2, v / 2, n / np.linalg.norm(n), corner + (u + v) / 2]
+    matrix = np.vstack([np.stack(columns, axis=1), [0, 0, 0, 1]])
+    emitter = {"type": "area", "radiance": {"type": "rgb", "value": rect["radiance"]}}
+    return {"type": "rectangle", "to_world": mi.ScalarTransform4f(matrix), "emitter": emitter}
+
+
+def their_shape(thing):
+    """A sphere around the origin or a plane."""
+    (name, mesh), = thing["mesh"].items()
+    if name == "sphere":
+        return {"type": "sphere", "radius": mesh.get("radius", 1.0) * thing.get("scale", 1.0)}
+    if name == "plane":
+        half = mesh.get("size", 2.0) * thing.get("scale", 1.0) / 2
+        place = mi.ScalarTransform4f().translate(thing.get("translate", [0, 0, 0]))
+        return {"type": "rectangle", "to_world": place @ mi.ScalarTransform4f().scale([half, half, 1])}
+    raise ValueError(f"{name} has no counterpart")
+
+
+def render(camera, thing, material, light, rectangles, spp, seed=0):
+    """Mitsuba's image, (height, width, 3), linear radiance, the background 0. `light`: our map or None."""
     transform = mi.ScalarTransform4f
+    # +y, which is up in Mitsuba's maps, becomes +z
+    turned = transform().rotate([1, 0, 0], 90)
+    lights = {f"rectangle{n}": their_rectangle(rect) for n, rect in enumerate(rectangles)}
+    if light is not None:
+        lights["light"] = {"type": "envmap", "bitmap": mi.Bitmap(their_light(light)), "to_world": turned}
     scene = mi.load_dict({
         "type": "scene",
         "integrator": {"type": "direct", "hide_emitters": True},
@@ -87,10 +121,8 @@ def render(camera, radius, material, light, spp, seed=0):
                      "component_format": "float32", "rfilter": {"type": "box"}},
             "sampler": {"type": "multijitter", "sample_count": spp},
         },
-        # +y, which is up in Mitsuba's maps, becomes +z
-        "light": {"type": "envmap", "bitmap": mi.Bitmap(their_light(light)),
-                  "to_world": transform().rotate([1, 0, 0], 90)},
-        "sphere": {"type": "sphere", "radius": radius, "bsdf": their_material(material)},
+        **lights,
+        "surface": {**their_shape(thing), "bsdf": their_material(material)},
     })
     return np.array(mi.render(scene, seed=seed, spp=spp))[..., :3].astype(float)
 
@@ -129,7 +161,7 @@ def brdf(material, i, o, n):
         return np.broadcast_to(np.array(value) / np.pi, (*i.shape[:-1], 3))
     h = i + o
     h /= np.linalg.norm(h, axis=-1, keepdims=True)
-    m2 = value["m"] ** 2
+    m2 = width(value) ** 2
 
     def g1(cos):
         return 2 / (1 + np.sqrt(1 + m2 * (1 / cos**2 - 1)))
@@ -164,7 +196,7 @@ def self_check():
     worst = 0.0
     for material in ({"lambert": [0.8, 0.5, 0.2]}, {"ggx": {"rho_d": [0.0] * 3, "rho_s": [0.9, 0.6, 0.3], "m": 0.25}}):
         start = time.perf_counter()
-        image = render(camera, 1.0, material, light, 1024)
+        image = render(camera, {"mesh": {"sphere": {}}}, material, light, [], 1024)
         seconds = time.perf_counter() - start
         expected = np.array([by_summation(material, light, normal[y, x], view[y, x]) for y, x in chosen])
         error = relmse(np.array([image[y, x] for y, x in chosen]), expected)
@@ -184,18 +216,26 @@ def compare(arguments):
 
     with open(arguments.scene, encoding="utf-8") as file:
         scene = json.load(file)
-    sphere, = scene["objects"]
-    radius = sphere["mesh"]["sphere"].get("radius", 1.0) * sphere.get("scale", 1.0)
-    material = scene["materials"][sphere["material"]]["source"]
+    thing, = scene["objects"]
+    material = scene["materials"][thing["material"]]["source"]
+    described = scene.get("lights", [scene.get("light")])
+    rectangles = [light["rect"] for light in described if "rect" in light]
+    if len(rectangles) < len(described) and not arguments.light:
+        raise SystemExit("the scene has an environment or procedural light; --light LIGHT.exr is missing")
+    light = read(arguments.light) if arguments.light else None
     ours = read(arguments.ours)
     start = time.perf_counter()
-    theirs = render(scene["camera"], radius, material, read(arguments.light), arguments.spp)
+    theirs = render(scene["camera"], thing, material, light, rectangles, arguments.spp)
     seconds = time.perf_counter() - start
     if arguments.save:
         planes = {name: np.ascontiguousarray(theirs[..., c], np.float32) for c, name in enumerate("RGB")}
         OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}, planes).write(arguments.save)
-    hit, _, _ = surface(scene["camera"], radius)
-    kept = inside(hit)
+    hit = np.ones(ours.shape[:2], bool)
+    if "sphere" in thing["mesh"]:
+        hit, _, _ = surface(scene["camera"], their_shape(thing)["radius"])
+        kept = inside(hit)
+    else:
+        kept = hit
     error = relmse(ours[kept], theirs[kept])
     ratio = ours[kept].sum() / theirs[kept].sum()
     print(
@@ -208,14 +248,14 @@ def compare(arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scene", nargs="?")
-    parser.add_argument("light", nargs="?")
     parser.add_argument("ours", nargs="?")
+    parser.add_argument("--light")
     parser.add_argument("--spp", type=int, default=1024)
     parser.add_argument("--save")
     parser.add_argument("--self-check", action="store_true")
     arguments = parser.parse_args()
     if not arguments.self_check and arguments.ours is None:
-        parser.error("SCENE.json, LIGHT.exr and OURS.exr, or --self-check")
+        parser.error("SCENE.json and OURS.exr, or --self-check")
     sys.exit(7 if (self_check() if arguments.self_check else compare(arguments)) > BAR else 0)
 
 

@@ -8,10 +8,26 @@ use crate::math::simd::by_eights;
 use std::f64::consts::FRAC_1_PI;
 use wide::f32x8;
 
+/// The symmetry of a BRDF about the normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symmetry {
+    /// None that is known: anisotropic.
+    None,
+    /// `f` depends on the difference of the azimuths.
+    Isotropic,
+    /// `f` depends on the size of the difference of the azimuths alone: isotropic, and the same seen in a mirror.
+    Mirror,
+}
+
 /// A bidirectional reflectance distribution function of three colour channels.
 pub trait Brdf: Send + Sync {
     /// `f(i, o)` in 1/sr per channel for unit vectors in the local frame (normal +z); zero where either is at or below the horizon.
     fn value(&self, i: &Direction, o: &Direction) -> [f64; 3];
+
+    /// What turning and reflecting both directions leaves unchanged.
+    fn symmetry(&self) -> Symmetry {
+        Symmetry::Mirror
+    }
 
     /// Draws an outgoing direction for the incident direction `i` from three numbers in [0, 1), azimuth, radius and choice of the
     /// technique: `None` where the draw ends below the horizon (it counts as a sample of value zero).

@@ -51,7 +51,7 @@ pub use batch::fixed_outgoing::{Directions, FixedOutgoing};
 pub use batch::ggx_mixture::GgxMixture;
 pub use batch::half_vector_sampler::{HalfVectorSampler, HalfVectors};
 pub use batch::half_vector_table::HalfVectorTable;
-pub use brdf::{Brdf, Lambert};
+pub use brdf::{Brdf, Lambert, Symmetry};
 pub use distributions::ggx::{Ggx, GgxLanes, GgxMaskingLanes};
 pub use distributions::normal_distribution::{LobeLanes, NormalDistribution};
 pub use distributions::shifted_gamma::{ShiftedGamma, ShiftedGammaLanes};

@@ -1,101 +1,127 @@
-//! Everything that can be wrong with a MERL file, each with what to do about it.
+//! Everything that can be wrong with a measured file, each with what to do about it.
 
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::grid::dimensions::{CHANNEL_NAMES, Dimensions};
+use crate::grid::sample_position::SamplePosition;
 
-/// Why a file could not be used. Each message is one line that names the file, what is wrong and what to do.
-///
-/// The first five say that the input could not be read at all; the others say that what was read is not a usable MERL
-/// file ([`MerlError::is_invalid_input`]).
+/// Why a measured file could not be used: the file and the reason. The message is one line, `FILE: what is wrong; what to do`.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {reason}", path.display())]
+pub struct MeasurementError {
+    path: PathBuf,
+    reason: Reason,
+}
+
+/// Why a measured file could not be used, sorted by what the user can do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum MerlError {
-    /// There is no such file.
-    #[error("{}: no such file; check the path", path.display())]
-    NotFound {
-        /// The file as it was named.
-        path: PathBuf,
+pub enum Reason {
+    /// Nothing could be read: look at the path, the permissions, the disk.
+    #[error(transparent)]
+    Unreadable(#[from] Unreadable),
+    /// The file is not a whole file of its format: fetch it again, or unpack it.
+    #[error(transparent)]
+    Container(#[from] ContainerFault),
+    /// One field of a file that consists of named fields is missing or wrong: fetch it again.
+    #[error("field {name}: {fault}")]
+    Field {
+        /// The field's name.
+        name: String,
+        /// What is wrong with it, and what to do.
+        fault: String,
     },
-    /// The file exists, and this user may not read it.
-    #[error("{}: permission denied; make the file readable for this user", path.display())]
-    PermissionDenied {
-        /// The file as it was named.
-        path: PathBuf,
-    },
-    /// The path is a folder.
-    #[error("{}: is a folder, not a MERL file; name the .binary files in it", path.display())]
-    IsDirectory {
-        /// The folder as it was named.
-        path: PathBuf,
-    },
-    /// The path is a pipe, a socket or a device.
-    #[error("{}: is a pipe or a device, which cannot be mapped into memory; copy it to a regular file first", path.display())]
-    NotARegularFile {
-        /// The path as it was named.
-        path: PathBuf,
-    },
-    /// The operating system failed to read or to map the file.
-    #[error("{}: cannot be read ({source}); check the disk and the path", path.display())]
-    Io {
-        /// The file as it was named.
-        path: PathBuf,
-        /// What the operating system said.
-        source: io::Error,
-    },
-    /// The file has no bytes.
-    #[error("{}: the file is empty (0 bytes); fetch it again", path.display())]
-    Empty {
-        /// The file as it was named.
-        path: PathBuf,
-    },
-    /// The file is compressed, or in another container whose first bytes are known.
-    #[error("{}: is {format}, not a MERL file; {advice}", path.display())]
-    OtherFormat {
-        /// The file as it was named.
-        path: PathBuf,
-        /// What it is, with an article.
-        format: &'static str,
+    /// The file is whole and of a kind that is not supported: take another file, or convert it.
+    #[error("{what}; {advice}")]
+    Unsupported {
+        /// What it holds.
+        what: String,
         /// What to do.
         advice: &'static str,
     },
-    /// The file ends before its header or its three planes do.
-    #[error("{}: truncated: {got} of {expected} bytes{}; fetch it again", path.display(), Needed(*dimensions))]
+    /// The file is whole, and its values are not those of a measurement.
+    #[error(transparent)]
+    Values(#[from] ValueFault),
+    /// The format fixes where its samples lie: leave the option out.
+    #[error(
+        "{format} files have their samples at the {fixed}, not at the {asked}; leave --sample-position (sample_position) out"
+    )]
+    SamplePosition {
+        /// The format's name.
+        format: &'static str,
+        /// Where the samples lie.
+        fixed: SamplePosition,
+        /// What was asked for.
+        asked: SamplePosition,
+    },
+}
+
+/// A file that could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Unreadable {
+    /// There is no such file.
+    #[error("no such file; check the path")]
+    NotFound,
+    /// The file exists, and this user may not read it.
+    #[error("permission denied; make the file readable for this user")]
+    PermissionDenied,
+    /// The path is a folder.
+    #[error("is a folder, not a measured file; name the files in it")]
+    IsDirectory,
+    /// The path is a pipe, a socket or a device.
+    #[error("is a pipe or a device, which cannot be mapped into memory; copy it to a regular file first")]
+    NotARegularFile,
+    /// The operating system failed to read or to map the file.
+    #[error("cannot be read ({0}); check the disk and the path")]
+    Io(io::Error),
+}
+
+/// A file that is not a whole file of its format.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ContainerFault {
+    /// The file has no bytes.
+    #[error("the file is empty (0 bytes); fetch it again")]
+    Empty,
+    /// The file is compressed, or in another container whose first bytes are known.
+    #[error("is {format}, not {wanted} file; {advice}")]
+    OtherFormat {
+        /// What it is, with an article.
+        format: &'static str,
+        /// The format that it was read as, with an article.
+        wanted: &'static str,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// The file ends before its header or its contents do.
+    #[error("truncated: {got} of {expected} bytes{}; fetch it again", Needed(*dimensions))]
     Truncated {
-        /// The file as it was named.
-        path: PathBuf,
-        /// Size in bytes that the header, or the header's dimensions, call for.
+        /// Size in bytes that the header, or what it announces, calls for.
         expected: u64,
         /// Size in bytes that was found.
         got: u64,
-        /// The dimensions, where the header was complete.
+        /// The dimensions, where the file has a grid and its header was complete.
         dimensions: Option<Dimensions>,
     },
-    /// The file goes on after its three planes.
+    /// The file goes on after its contents.
     #[error(
-        "{}: trailing bytes: {}, {got} instead of {expected} bytes{}; fetch it again, or cut what was appended",
-        path.display(), got - expected, Needed(Some(*dimensions))
+        "trailing bytes: {}, {got} instead of {expected} bytes{}; fetch it again, or cut what was appended",
+        got - expected, Needed(*dimensions)
     )]
     TrailingBytes {
-        /// The file as it was named.
-        path: PathBuf,
-        /// Size in bytes that the dimensions call for.
+        /// Size in bytes that the header calls for.
         expected: u64,
         /// Size in bytes that was found.
         got: u64,
-        /// The dimensions of the header.
-        dimensions: Dimensions,
+        /// The dimensions of the header, where the file has a grid.
+        dimensions: Option<Dimensions>,
     },
     /// The first twelve bytes cannot be three dimensions.
-    #[error(
-        "{}: implausible dimensions {} x {} x {}: {}",
-        path.display(), dimensions[0], dimensions[1], dimensions[2], implausible(*swapped)
-    )]
+    #[error("implausible dimensions {} x {} x {}: {}", dimensions[0], dimensions[1], dimensions[2], implausible(*swapped))]
     ImplausibleDimensions {
-        /// The file as it was named.
-        path: PathBuf,
         /// The header, read as little-endian integers.
         dimensions: [i32; 3],
         /// The header read as big-endian integers, where that is plausible.
@@ -103,36 +129,39 @@ pub enum MerlError {
     },
     /// The dimensions are possible, and are not those of a MERL file.
     #[error(
-        "{}: unsupported dimensions {} x {} x {} (theta_h x theta_d x phi_d); resample to 90 x 90 x 180 or 90 x 90 x 360",
-        path.display(), dimensions[0], dimensions[1], dimensions[2]
+        "unsupported dimensions {} x {} x {} (theta_h x theta_d x phi_d); resample to 90 x 90 x 180 or 90 x 90 x 360",
+        dimensions[0], dimensions[1], dimensions[2]
     )]
     UnsupportedDimensions {
-        /// The file as it was named.
-        path: PathBuf,
         /// The header.
         dimensions: [i32; 3],
     },
-    /// No cell is finite and non-negative in all three planes.
-    #[error("{}: no valid cells: no cell holds a measurement in all three planes; the file cannot be used", path.display())]
-    NoValidCells {
-        /// The file as it was named.
-        path: PathBuf,
+    /// The list of contents cannot be followed.
+    #[error("{what}; fetch it again")]
+    Header {
+        /// What is wrong with it.
+        what: String,
     },
+}
+
+/// Values that no measurement has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ValueFault {
+    /// No cell is finite and non-negative in all three planes.
+    #[error("no valid cells: no cell holds a measurement in all three planes; the file cannot be used")]
+    NoValidCells,
     /// Some values are not numbers.
-    #[error("{}: values that are not a number (NaN): {count}, first at {first}; write -1 where there is no measurement", path.display())]
+    #[error("values that are not a number (NaN): {count}, first at {first}; write -1 where there is no measurement")]
     NotANumber {
-        /// The file as it was named.
-        path: PathBuf,
         /// How many, over all planes.
         count: usize,
         /// Where the first one in the order of the file is.
         first: Place,
     },
     /// Some values are infinite.
-    #[error("{}: infinite values: {count}, first at {first}; write -1 where there is no measurement", path.display())]
+    #[error("infinite values: {count}, first at {first}; write -1 where there is no measurement")]
     Infinite {
-        /// The file as it was named.
-        path: PathBuf,
         /// How many, over all planes and of either sign.
         count: usize,
         /// Where the first one in the order of the file is.
@@ -140,70 +169,39 @@ pub enum MerlError {
     },
 }
 
-impl MerlError {
-    /// Whether the input was read and is wrong, in contrast to input that could not be read.
-    #[must_use]
-    pub fn is_invalid_input(&self) -> bool {
-        !matches!(
-            self,
-            Self::NotFound { .. }
-                | Self::PermissionDenied { .. }
-                | Self::IsDirectory { .. }
-                | Self::NotARegularFile { .. }
-                | Self::Io { .. }
-        )
-    }
-
-    /// A short stable name of the variant for reports, for instance `truncated`.
-    #[must_use]
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Self::NotFound { .. } => "not-found",
-            Self::PermissionDenied { .. } => "permission-denied",
-            Self::IsDirectory { .. } => "is-directory",
-            Self::NotARegularFile { .. } => "not-a-regular-file",
-            Self::Io { .. } => "io",
-            Self::Empty { .. } => "empty",
-            Self::OtherFormat { .. } => "other-format",
-            Self::Truncated { .. } => "truncated",
-            Self::TrailingBytes { .. } => "trailing-bytes",
-            Self::ImplausibleDimensions { .. } => "implausible-dimensions",
-            Self::UnsupportedDimensions { .. } => "unsupported-dimensions",
-            Self::NoValidCells { .. } => "no-valid-cells",
-            Self::NotANumber { .. } => "not-a-number",
-            Self::Infinite { .. } => "infinite",
-        }
+impl MeasurementError {
+    /// What is wrong with the file at `path`.
+    pub(crate) fn new(path: &Path, reason: impl Into<Reason>) -> Self {
+        Self { path: path.to_path_buf(), reason: reason.into() }
     }
 
     /// The file that the error is about, as it was named.
     #[must_use]
     pub fn path(&self) -> &Path {
-        match self {
-            Self::NotFound { path }
-            | Self::PermissionDenied { path }
-            | Self::IsDirectory { path }
-            | Self::NotARegularFile { path }
-            | Self::Io { path, .. }
-            | Self::Empty { path }
-            | Self::OtherFormat { path, .. }
-            | Self::Truncated { path, .. }
-            | Self::TrailingBytes { path, .. }
-            | Self::ImplausibleDimensions { path, .. }
-            | Self::UnsupportedDimensions { path, .. }
-            | Self::NoValidCells { path }
-            | Self::NotANumber { path, .. }
-            | Self::Infinite { path, .. } => path,
-        }
+        &self.path
     }
 
-    /// Sorts what the operating system said while opening or mapping `path`.
-    pub(crate) fn from_io(path: &Path, source: io::Error) -> Self {
-        let path = path.to_path_buf();
+    /// What is wrong with it.
+    #[must_use]
+    pub fn reason(&self) -> &Reason {
+        &self.reason
+    }
+
+    /// Whether the input was read and is wrong, in contrast to input that could not be read.
+    #[must_use]
+    pub fn is_invalid_input(&self) -> bool {
+        !matches!(self.reason, Reason::Unreadable(_))
+    }
+}
+
+impl From<io::Error> for Unreadable {
+    /// Sorts what the operating system said while opening or mapping a file.
+    fn from(source: io::Error) -> Self {
         match source.kind() {
-            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Self::NotFound { path },
-            io::ErrorKind::PermissionDenied => Self::PermissionDenied { path },
-            io::ErrorKind::IsADirectory => Self::IsDirectory { path },
-            _ => Self::Io { path, source },
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Self::NotFound,
+            io::ErrorKind::PermissionDenied => Self::PermissionDenied,
+            io::ErrorKind::IsADirectory => Self::IsDirectory,
+            _ => Self::Io(source),
         }
     }
 }
@@ -256,16 +254,16 @@ mod tests {
 
     #[test]
     fn what_the_system_says_is_sorted() {
-        for (from, kind) in [
-            (io::ErrorKind::NotFound, "not-found"),
-            (io::ErrorKind::NotADirectory, "not-found"),
-            (io::ErrorKind::PermissionDenied, "permission-denied"),
-            (io::ErrorKind::IsADirectory, "is-directory"),
-            (io::ErrorKind::OutOfMemory, "io"),
+        for (from, part) in [
+            (io::ErrorKind::NotFound, "no such file"),
+            (io::ErrorKind::NotADirectory, "no such file"),
+            (io::ErrorKind::PermissionDenied, "permission denied"),
+            (io::ErrorKind::IsADirectory, "is a folder"),
+            (io::ErrorKind::OutOfMemory, "cannot be read"),
         ] {
-            let error = MerlError::from_io(Path::new("x.binary"), from.into());
-            assert_eq!((error.kind(), error.is_invalid_input()), (kind, false));
-            assert!(error.to_string().starts_with("x.binary: "), "{error}");
+            let error = MeasurementError::new(Path::new("x.binary"), Unreadable::from(io::Error::from(from)));
+            assert!(!error.is_invalid_input());
+            assert!(error.to_string().starts_with(&format!("x.binary: {part}")), "{error}");
         }
     }
 }

@@ -1,38 +1,52 @@
-//! Measured isotropic BRDFs in the MERL binary format: container, index maps, validity, slices, health.
+//! Measured isotropic BRDFs: files of several formats behind one trait, their slices, cells, health, and the material itself.
 //!
-//! A MERL file holds three planes (R, G, B) of 90 x 90 x 180 or 90 x 90 x 360 values over the angles theta_h, theta_d
-//! and phi_d. [`MerlFile::open`] maps it into memory and checks the container; nothing else is read until it is asked
-//! for. [`MerlFile::slices`] reads the two slices that a fit needs; [`MerlFile::scan`] reads everything once (hash,
-//! validity, counts); [`MeasuredBrdf`] is the material that it describes; [`Grid`] and [`AlbedoPlan`] hold the geometry that files of the same shape share.
+//! [`open`] recognises the format of a file and checks its container; nothing else is read until it is asked for. What a fit,
+//! an atlas or a report needs is in [`Measurement`], and no user of this crate has to know a format; [`FORMATS`] lists them.
+//!
+//! ```
+//! use brdfit_brdf::direction;
+//! use std::path::Path;
+//!
+//! # let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data-fixtures/ggx_rgb.bsdf");
+//! # let path = path.as_path();
+//! let measurement = brdfit_measured::open(path, None)?;
+//! let slices = measurement.slices(); // what a fit reads
+//! println!("retro-reflection in red: {:?} per steradian", slices.measured_h[0][0]);
+//! let brdf = measurement.brdf()?; // what a renderer evaluates
+//! let f = brdf.value(&direction(0.5, 0.0), &direction(0.6, 3.0));
+//! assert!(f[0] > 0.0);
+//! # Ok::<(), brdfit_measured::MeasurementError>(())
+//! ```
 //!
 //! Values are linear BRDF values in 1/sr of unknown primaries: no gamma, no colour management. Angles are in radians.
-//!
-//! ```
-//! use brdfit_measured::{Dimensions, MerlFile, SamplePosition};
-//!
-//! let grey = MerlFile::from_fn("grey", Dimensions::HALF_TURN, |_, _, _, _| 0.5 / std::f64::consts::PI)?;
-//! grey.scan().check(grey.path())?;
-//! let slices = grey.slices(SamplePosition::Edge);
-//! assert!((slices.measured_h[0][10].unwrap() - 0.159).abs() < 1e-3);
-//! # Ok::<(), brdfit_measured::MerlError>(())
-//! ```
 
 mod brdf;
+mod cells;
 mod error;
+mod formats;
 mod grid;
+mod hash;
+mod info;
+mod mapped_file;
+mod measurement;
 mod merl;
+mod rgl;
 mod slices;
 
 pub use brdf::MeasuredBrdf;
-pub use error::{MerlError, Place};
+pub use cells::Cells;
+pub use error::{ContainerFault, MeasurementError, Place, Reason, Unreadable, ValueFault};
+pub use formats::{FORMATS, extensions, open};
 pub use grid::albedo::AlbedoPlan;
 pub use grid::cell_measures::{Grid, PANEL_ANGLE, Row, cosine_drop};
 pub use grid::dimensions::{CHANNEL_NAMES, CHANNEL_SCALE, CHANNELS, Dimensions, NotAMerlGrid, cosines};
 pub use grid::mask::CellMask;
 pub use grid::sample_position::SamplePosition;
 pub use grid::samples::MIN_COSINE;
+pub use info::{ChannelRange, Info, Summary, TableShape};
+pub use measurement::{Described, Format, Measurement, Source, Survey};
 pub use merl::file::MerlFile;
-pub use merl::health::{AlbedoHealth, Angles, ChannelHealth, Health, HealthCheck, Region, Regions};
+pub use merl::health::{AlbedoHealth, Angles, ChannelHealth, Health, HealthCheck, HealthChecks, Region, Regions};
 pub use merl::scan::{ChannelScan, Scan, Tally};
 pub use merl::write::write_merl;
 pub use slices::Slices;

@@ -32,15 +32,18 @@ pub struct Slices {
     pub cells_d: Vec<usize>,
 }
 
-impl MerlFile {
-    /// Reads the two slices. Only their cells are touched: of a 35 MB file on disk, less than 2 MB are read.
-    #[must_use]
-    pub fn slices(&self, position: SamplePosition) -> Slices {
-        let dimensions = self.dimensions();
+impl Slices {
+    /// The slices of a grid whose usable values are `value([theta_h bin, theta_d bin, phi_d bin])`, in 1/sr; it is asked for
+    /// cells above the horizon only.
+    pub(crate) fn of(
+        dimensions: Dimensions,
+        position: SamplePosition,
+        value: impl Fn([usize; 3]) -> Option<[f64; CHANNELS]>,
+    ) -> Self {
         let samples = Samples::new(dimensions, position);
-        let (measured_h, cells_h) = self.slice(&samples, |i| (i, 0));
-        let (measured_d, cells_d) = self.slice(&samples, |j| (0, j));
-        Slices {
+        let (measured_h, cells_h) = slice(&samples, dimensions.phi_d(), |i| [i, 0], &value);
+        let (measured_d, cells_d) = slice(&samples, dimensions.phi_d(), |j| [0, j], &value);
+        Self {
             position,
             theta_h: (0..Dimensions::THETA_H).map(|i| dimensions.theta_h_sample(i, position)).collect(),
             theta_d: (0..Dimensions::THETA_D).map(|j| dimensions.theta_d_sample(j, position)).collect(),
@@ -50,37 +53,47 @@ impl MerlFile {
             cells_d,
         }
     }
+}
 
-    /// The slice whose entry `n` is the row (theta_h, theta_d) = `row(n)`, and the number of cells in each mean.
-    fn slice(
-        &self,
-        samples: &Samples,
-        row: impl Fn(usize) -> (usize, usize),
-    ) -> ([Vec<Option<f64>>; CHANNELS], Vec<usize>) {
-        const ROWS: usize = 90;
+impl MerlFile {
+    /// Reads the two slices. Only their cells are touched: of a 35 MB file on disk, less than 2 MB are read.
+    #[must_use]
+    pub fn slices(&self, position: SamplePosition) -> Slices {
         let dimensions = self.dimensions();
-        let mut means: [Vec<Option<f64>>; CHANNELS] = std::array::from_fn(|_| Vec::with_capacity(ROWS));
-        let mut counts = Vec::with_capacity(ROWS);
-        for n in 0..ROWS {
-            let (theta_h, theta_d) = row(n);
-            let cosines = samples.row(theta_h, theta_d);
-            let first = dimensions.index(theta_h, theta_d, 0);
-            let (mut sum, mut count) = ([0.0; CHANNELS], 0);
-            for phi_d in (0..dimensions.phi_d()).filter(|&k| is_above_horizon(cosines.at(k))) {
-                if let Some(rgb) = self.rgb(first + phi_d) {
-                    for (sum, f) in sum.iter_mut().zip(rgb) {
-                        *sum += f;
-                    }
-                    count += 1;
-                }
-            }
-            for (mean, sum) in means.iter_mut().zip(sum) {
-                mean.push((count > 0).then(|| sum / count as f64));
-            }
-            counts.push(count);
-        }
-        (means, counts)
+        Slices::of(dimensions, position, |[theta_h, theta_d, phi_d]| {
+            self.rgb(dimensions.index(theta_h, theta_d, phi_d))
+        })
     }
+}
+
+/// The slice whose entry `n` is the row (theta_h, theta_d) = `row(n)`, and the number of cells in each mean.
+fn slice(
+    samples: &Samples,
+    bins: usize,
+    row: impl Fn(usize) -> [usize; 2],
+    value: &impl Fn([usize; 3]) -> Option<[f64; CHANNELS]>,
+) -> ([Vec<Option<f64>>; CHANNELS], Vec<usize>) {
+    const ROWS: usize = 90;
+    let mut means: [Vec<Option<f64>>; CHANNELS] = std::array::from_fn(|_| Vec::with_capacity(ROWS));
+    let mut counts = Vec::with_capacity(ROWS);
+    for n in 0..ROWS {
+        let [theta_h, theta_d] = row(n);
+        let cosines = samples.row(theta_h, theta_d);
+        let (mut sum, mut count) = ([0.0; CHANNELS], 0);
+        for phi_d in (0..bins).filter(|&k| is_above_horizon(cosines.at(k))) {
+            if let Some(rgb) = value([theta_h, theta_d, phi_d]) {
+                for (sum, f) in sum.iter_mut().zip(rgb) {
+                    *sum += f;
+                }
+                count += 1;
+            }
+        }
+        for (mean, sum) in means.iter_mut().zip(sum) {
+            mean.push((count > 0).then(|| sum / count as f64));
+        }
+        counts.push(count);
+    }
+    (means, counts)
 }
 
 #[cfg(test)]

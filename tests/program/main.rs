@@ -13,4 +13,5 @@ mod program;
 mod render;
 mod render_malformed;
 mod render_malformed_files;
+mod rgl;
 mod synth;

@@ -95,7 +95,7 @@ fn it_has_an_atlas_and_a_picture() {
     };
     render(json!({ "fit": "satin.json" }), "-o satin.exr --spp 16");
     // without Fresnel's term a fit is what a scene describes by hand, where `m` is the old name of alpha
-    let by_hand = |name: &str| json!({ "ggx": { "rho_d": [0.1; 3], "rho_s": [0.5; 3], name: 0.2 } });
+    let by_hand = |name: &str| json!({ "ggx": { "rho_d": [0.1, 0.1, 0.1], "rho_s": [0.5, 0.5, 0.5], name: 0.2 } });
     let channels =
         [0, 1, 2].map(|_| json!({ "parameters": { "rho_d": 0.1, "rho_s": 0.5, "alpha": 0.2, "f0": 1.0, "f1": 0.0 } }));
     place.put("white.json", json!({ "model": "ggx", "channels": channels }).to_string());

@@ -166,6 +166,97 @@ fn members() {
 }
 
 #[test]
+fn lists_of_lights() {
+    let place = workplace();
+    let rect = |member: &str, value: Value| {
+        let mut rect = json!({ "corner": [0, 0, 2], "edges": [[1, 0, 0], [0, 1, 0]], "radiance": [1, 1, 1] });
+        rect[member] = value;
+        json!([{ "rect": rect }])
+    };
+    let sky = json!({ "procedural": { "kind": "sky" } });
+    let cases = [
+        (json!([]), "lights: is empty; add a light"),
+        (json!({}), "lights: invalid type: map, expected a sequence"),
+        (json!([{}]), "lights[0]: expected exactly one of the choices that the schema lists"),
+        (json!(["rect"]), "lights[0].rect: expected an object with that name as its one member"),
+        (
+            json!([{ "spot": {} }]),
+            "lights[0]: unknown variant `spot`, expected one of `environment`, `procedural`, `rect`",
+        ),
+        (json!([sky, sky]), "lights[1]: is a second environment or procedural light; at most one can be used"),
+        (
+            json!([{ "environment": { "file": "x.png" } }]),
+            "lights[0].environment.file: \"x.png\" does not end in .exr or .hdr",
+        ),
+        (json!([{ "rect": {} }]), "lights[0].rect: missing field `corner`"),
+        (rect("colour", json!(1)), "lights[0].rect.colour: unknown field `colour`, expected one of `corner`"),
+        (rect("corner", json!([0, 2e9, 0])), "lights[0].rect.corner[1]: 2e9 is not within -1e9 to 1e9"),
+        (rect("edges", json!([[1, 0, 0]])), "lights[0].rect.edges: invalid length 1, expected an array of length 2"),
+        (rect("edges", json!([[1, 0, 0], [0, 0, 0]])), "lights[0].rect.edges[1]: has no length"),
+        (
+            rect("edges", json!([[1, 0, 0], [1, 1, 0]])),
+            "lights[0].rect.edges: make an angle of 45.000 degrees instead of 90",
+        ),
+        (
+            rect("edges", json!([[1, 0, 0], [2, 0, 0]])),
+            "lights[0].rect.edges: make an angle of 0.000 degrees instead of 90",
+        ),
+        (rect("radiance", json!([1, -1, 1])), "lights[0].rect.radiance[1]: -1 is not in 0 to 1000000000"),
+        (
+            rect("radiance", json!([1, 1, 1e15])),
+            "lights[0].rect.radiance[2]: 1000000000000000 is not in 0 to 1000000000",
+        ),
+        (
+            rect("radiance", json!("bright")),
+            "lights[0].rect.radiance: invalid type: string \"bright\", expected an array",
+        ),
+    ];
+    let mut lines = Vec::new();
+    let mut put = |scene: Value, part: &str| {
+        let name = format!("{}.json", lines.len());
+        place.put(&name, scene.to_string());
+        lines.push((format!("render {name} -o x.exr"), 3, format!(": {name}: {part}")));
+    };
+    for (lights, part) in cases {
+        let mut scene = good();
+        scene.as_object_mut().unwrap().remove("light");
+        scene["lights"] = lights;
+        put(scene, part);
+    }
+    let mut both = good();
+    both["lights"] = json!([both["light"].clone()]);
+    put(both, "lights: cannot stand beside light; put all lights into the list");
+    let mut none = good();
+    none.as_object_mut().unwrap().remove("light");
+    put(none, "there is neither light nor lights; add one of the two");
+    let infinite = good().to_string().replace(
+        r#""light":{"procedural":{"kind":"uniform"}}"#,
+        "\"lights\":[{\"rect\":{\"corner\":[0,0,2],\"edges\":[[1,0,0],[0,1,0]],\"radiance\":[1,1e999,1]}}]",
+    );
+    place.put("infinite.json", infinite);
+    lines.push((
+        "render infinite.json -o x.exr".to_owned(),
+        3,
+        ": infinite.json: lights[0].rect.radiance[1]: number out of range".to_owned(),
+    ));
+    let lines: Vec<_> = lines.iter().map(|(line, code, part)| (line.as_str(), *code, part.as_str())).collect();
+    check(&place, &lines);
+}
+
+/// There is no map of a light that does not exist.
+#[test]
+fn a_light_map_needs_an_environment() {
+    let place = workplace();
+    let mut scene = good();
+    scene.as_object_mut().unwrap().remove("light");
+    let rect = json!({ "corner": [0, 0, 2], "edges": [[0, 1, 0], [1, 0, 0]], "radiance": [1, 1, 1] });
+    scene["lights"] = json!([{ "rect": rect }]);
+    place.put("lamp.json", scene.to_string());
+    let message = ": lamp.json: lights: --light-map needs an environment or procedural light among them";
+    check(&place, &[("render lamp.json -o x.exr --light-map map.exr", 3, message)]);
+}
+
+#[test]
 fn references_and_targets() {
     let place = workplace();
     place.put("good.json", good().to_string());

@@ -1,6 +1,6 @@
 //! The atlas of a material: all its lobes.
 
-use brdfit_brdf::{Brdf, Direction, direction};
+use brdfit_brdf::{Brdf, Direction, Symmetry, direction};
 use rayon::prelude::*;
 
 use crate::atlas::error::AtlasError;
@@ -28,8 +28,8 @@ pub fn incident_direction(layout: Layout, tile: usize) -> Direction {
 
 /// Precomputes the bandwidth atlas of a material (paper 000, section 2.3; docs/theory.md) on the threads of the current rayon pool.
 ///
-/// `isotropic` tells that the material is, and so mirror symmetric: the isotropic layout, which needs it, does half of the work,
-/// and the hemisphere layout a quarter. The same input gives the same bytes for every number of threads.
+/// The material's [`Symmetry`] saves work: of a mirror symmetric one the isotropic layout computes half, the hemisphere layout a
+/// quarter. The same input gives the same bytes for every number of threads.
 ///
 /// # Errors
 /// [`AtlasError`] if a bandwidth cannot be stored: the material has values that are not finite.
@@ -38,16 +38,20 @@ pub fn incident_direction(layout: Layout, tile: usize) -> Direction {
 /// If the layout is isotropic and the material is not.
 pub fn compute_atlas(
     brdf: &dyn Brdf,
-    isotropic: bool,
     layout: Layout,
     channels: AtlasChannels,
     grid: &LobeGrid,
     options: &LobeOptions,
 ) -> Result<(Atlas, AtlasStatistics), AtlasError> {
-    assert!(isotropic || layout == Layout::Hemisphere, "the isotropic layout needs an isotropic material");
-    let lobes = LobeEstimator::new(brdf, grid, isotropic, *options);
+    let symmetry = brdf.symmetry();
+    assert!(
+        symmetry != Symmetry::None || layout == Layout::Hemisphere,
+        "the isotropic layout needs an isotropic material"
+    );
+    let mirrored = symmetry == Symmetry::Mirror;
+    let lobes = LobeEstimator::new(brdf, grid, mirrored, *options);
     // reflections of the material's own lobes need not be computed, where the estimate of a reflection is the reflected estimate
-    let folded = layout == Layout::Hemisphere && isotropic && options.estimator.reflections;
+    let folded = layout == Layout::Hemisphere && mirrored && options.estimator.reflections;
     let computed = |tile: usize| !folded || (tile / TILES < TILES / 2 && tile % TILES < TILES / 2);
     let mut tiles: Vec<Option<Lobe>> = (0..TILES * TILES)
         .into_par_iter()

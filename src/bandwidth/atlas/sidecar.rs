@@ -29,33 +29,8 @@ pub struct Source {
     /// SHA-256 of the whole file, lower-case hexadecimal; absent if it was not asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
-    /// What kind of file it is.
-    pub kind: SourceKind,
-}
-
-/// What a material was read from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum SourceKind {
-    /// The result of a fit.
-    Fit,
-    /// A measurement in the MERL format.
-    Merl,
-}
-
-impl SourceKind {
-    /// The name that files carry.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fit => "fit",
-            Self::Merl => "merl",
-        }
-    }
-
-    pub(crate) fn from_name(name: &str) -> Option<Self> {
-        [Self::Fit, Self::Merl].into_iter().find(|kind| kind.name() == name)
-    }
+    /// What kind of file it is: `fit` for the result of a fit, or the format of a measurement (`merl`, `rgl`).
+    pub kind: String,
 }
 
 /// The atlas of one material. No NaN, no time, no host name.
@@ -299,7 +274,7 @@ pub(crate) fn attributes(atlas: &Atlas, provenance: &Provenance, encoding: &str)
         ("brdfit.mapping", Mapping::new(atlas.layout()).text()),
         ("brdfit.program", provenance.program.clone()),
         ("brdfit.schema_version", ATLAS_SCHEMA_VERSION.to_string()),
-        ("brdfit.source.kind", source.kind.name().to_owned()),
+        ("brdfit.source.kind", source.kind.clone()),
         ("brdfit.source.name", source.name.clone()),
     ];
     list.extend(source.sha256.iter().map(|sha256| ("brdfit.source.sha256", sha256.clone())));
@@ -324,8 +299,7 @@ pub(crate) fn from_attributes(find: impl Fn(&str) -> Option<String>) -> Result<(
     }
     let layout = need("brdfit.layout")?;
     let layout = Layout::from_name(&layout).ok_or_else(|| unknown("brdfit.layout", &layout))?;
-    let kind = need("brdfit.source.kind")?;
-    let kind = SourceKind::from_name(&kind).ok_or_else(|| unknown("brdfit.source.kind", &kind))?;
-    let source = Source { name: need("brdfit.source.name")?, sha256: find("brdfit.source.sha256"), kind };
+    let (name, kind) = (need("brdfit.source.name")?, need("brdfit.source.kind")?);
+    let source = Source { name, sha256: find("brdfit.source.sha256"), kind };
     Ok((layout, Provenance { program: need("brdfit.program")?, source }))
 }

@@ -68,7 +68,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         let (name, brdf) = support::open(&path)?;
         let brdf = brdf.as_ref();
         let options = LobeOptions::default();
-        let atlas = |layout| compute_atlas(brdf, true, layout, AtlasChannels::Max, &grid, &options).map(|made| made.0);
+        let atlas = |layout| compute_atlas(brdf, layout, AtlasChannels::Max, &grid, &options).map(|made| made.0);
         let atlases = Atlases { isotropic: atlas(Layout::Isotropic)?, hemisphere: atlas(Layout::Hemisphere)? };
         let lobes = LobeEstimator::new(brdf, &grid, true, options);
         let texels = by_texel(brdf, &lobes);

@@ -9,7 +9,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
-use brdfit_bandwidth::sidecar::{Provenance, Source, SourceKind};
+use brdfit_bandwidth::sidecar::{Provenance, Source};
 use brdfit_bandwidth::{Atlas, AtlasChannels, AtlasPlace, LEVELS, Layout, SIZE, TILE, TILES, ktx2};
 use brdfit_brdf::direction;
 
@@ -38,7 +38,7 @@ impl Random {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("sampling_vectors FOLDER")?;
-    let source = Source { name: "random".to_owned(), sha256: None, kind: SourceKind::Fit };
+    let source = Source { name: "random".to_owned(), sha256: None, kind: "fit".to_owned() };
     let provenance = Provenance { program: "sampling_vectors".to_owned(), source };
     for (layout, channels) in [(Layout::Isotropic, AtlasChannels::Max), (Layout::Hemisphere, AtlasChannels::Rgba)] {
         let mut random = Random(layout as u64);

@@ -4,7 +4,7 @@ use brdfit_bandwidth::{
     Atlas, AtlasChannels, AtlasError, Layout, LobeEstimator, LobeGrid, LobeMemory, LobeOptions, SIZE, TILE, TILES,
     compute_atlas, incident_direction,
 };
-use brdfit_brdf::{Brdf, Direction, Lambert, direction};
+use brdfit_brdf::{Brdf, Direction, Lambert, Symmetry, direction};
 
 fn options() -> LobeOptions {
     LobeOptions { max_resolution: 256, ..LobeOptions::default() }
@@ -24,7 +24,7 @@ impl Brdf for Cheap {
 }
 
 fn cheap(layout: Layout, channels: AtlasChannels) -> Atlas {
-    compute_atlas(&Cheap, true, layout, channels, &LobeGrid::default(), &options()).unwrap().0
+    compute_atlas(&Cheap, layout, channels, &LobeGrid::default(), &options()).unwrap().0
 }
 
 /// The texels of channel `channel` in a tile.
@@ -88,8 +88,7 @@ fn a_constant_has_an_atlas_of_zeros() {
     let lambert = Lambert { albedo: [0.2, 0.5, 0.7] };
     for layout in [Layout::Isotropic, Layout::Hemisphere] {
         let (atlas, statistics) =
-            compute_atlas(&lambert, true, layout, AtlasChannels::Max, &LobeGrid::default(), &LobeOptions::default())
-                .unwrap();
+            compute_atlas(&lambert, layout, AtlasChannels::Max, &LobeGrid::default(), &LobeOptions::default()).unwrap();
         assert_eq!(atlas.range(), (0.0, 0.0));
         let tiles: Vec<_> = statistics.tiles_per_resolution.iter().map(|n| (n.resolution, n.tiles)).collect();
         assert_eq!(tiles, [(256, 256), (512, 0), (1024, 0)]);
@@ -101,6 +100,10 @@ fn a_constant_has_an_atlas_of_zeros() {
 struct Brushed;
 
 impl Brdf for Brushed {
+    fn symmetry(&self) -> Symmetry {
+        Symmetry::None
+    }
+
     fn value(&self, i: &Direction, o: &Direction) -> [f64; 3] {
         let (x, y) = (i.x + o.x, i.y + o.y);
         let k = if i.z > 0.9 { 1e5 } else { 10.0 };
@@ -112,7 +115,7 @@ impl Brdf for Brushed {
 #[test]
 fn anisotropic_materials_have_all_their_tiles() {
     let (layout, grid) = (Layout::Hemisphere, LobeGrid::default());
-    let (atlas, statistics) = compute_atlas(&Brushed, false, layout, AtlasChannels::Max, &grid, &options()).unwrap();
+    let (atlas, statistics) = compute_atlas(&Brushed, layout, AtlasChannels::Max, &grid, &options()).unwrap();
     let saturated: Vec<usize> = (0..256).filter(|&n| incident_direction(layout, n).z > 0.9).collect();
     assert_eq!(statistics.saturated_tiles, saturated);
     let tiles: Vec<_> = statistics.tiles_per_resolution.iter().map(|n| (n.resolution, n.tiles)).collect();
@@ -140,7 +143,7 @@ fn tiles_are_where_the_documentation_puts_them() {
 #[test]
 #[should_panic(expected = "isotropic")]
 fn the_isotropic_layout_needs_an_isotropic_material() {
-    let _ = compute_atlas(&Cheap, false, Layout::Isotropic, AtlasChannels::Max, &LobeGrid::default(), &options());
+    let _ = compute_atlas(&Brushed, Layout::Isotropic, AtlasChannels::Max, &LobeGrid::default(), &options());
 }
 
 /// Fine but for one direction in which it has no value.
@@ -157,7 +160,7 @@ impl Brdf for Broken {
 fn values_that_are_not_finite_are_refused() {
     for value in [f64::NAN, f64::INFINITY] {
         let (layout, grid) = (Layout::Hemisphere, LobeGrid::default());
-        let result = compute_atlas(&Broken(value), true, layout, AtlasChannels::Max, &grid, &options());
+        let result = compute_atlas(&Broken(value), layout, AtlasChannels::Max, &grid, &options());
         assert!(matches!(result, Err(AtlasError::Texels { .. })), "{value} went unnoticed");
     }
 }

@@ -14,9 +14,9 @@ use crate::args::{BATCH, OUTPUT};
 /// Options of `brdfit atlas`.
 #[derive(Debug, Args)]
 pub(crate) struct AtlasArgs {
-    /// MERL files, results of `brdfit fit`, folders (every .binary file and
-    /// every fit in them; other .json documents, such as summaries, are
-    /// passed over), names of embedded materials, or @LIST: a text file with
+    /// Measured files (MERL .binary, RGL .bsdf), results of `brdfit fit`,
+    /// folders (every measured file and every fit in them; other .json
+    /// documents, such as summaries, are passed over), names of embedded materials, or @LIST: a text file with
     /// one path per line, as for `brdfit fit`
     #[arg(value_name = "INPUT", required = true)]
     pub(crate) inputs: Vec<PathBuf>,
@@ -64,7 +64,8 @@ pub(crate) struct AtlasArgs {
     #[arg(long, value_name = "I/N", help_heading = BATCH)]
     pub(crate) shard: Option<String>,
 
-    /// Where in its cell a measured sample lies [default: edge]
+    /// Where in its cell a measured sample lies [default: edge; RGL: always
+    /// centre]
     #[arg(long, value_name = "WHERE", help_heading = BATCH)]
     pub(crate) sample_position: Option<PositionArg>,
 

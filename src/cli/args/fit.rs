@@ -12,14 +12,14 @@ use crate::args::{BATCH, OUTPUT};
 /// Options of `brdfit fit`. Whatever is left out keeps the value of the preset.
 #[derive(Debug, Args)]
 pub(crate) struct FitArgs {
-    /// MERL files, folders (every .binary file in them), or @LIST: a text
-    /// file with one of these per line, relative to its own folder; empty
-    /// lines and lines that start with # are skipped; @- reads it from
-    /// standard input
+    /// Measured files: MERL (.binary) and RGL (.bsdf, isotropic, in colours),
+    /// folders (every such file in them), or @LIST: a text file with one of
+    /// these per line, relative to its own folder; empty lines and lines that
+    /// start with # are skipped; @- reads it from standard input
     #[arg(value_name = "INPUT", required = true)]
     pub(crate) inputs: Vec<PathBuf>,
 
-    /// Look for .binary files in the folders inside of folders too
+    /// Look for measured files in the folders inside of folders too
     #[arg(long)]
     pub(crate) recursive: bool,
 
@@ -65,7 +65,7 @@ pub(crate) struct FitArgs {
     #[arg(long, value_name = "NAME", help_heading = MODEL, value_parser = models(), default_value_t)]
     pub(crate) model: ModelName,
 
-    /// Where in its cell a sample lies [default: edge]
+    /// Where in its cell a sample lies [default: edge; RGL: always centre]
     #[arg(long, value_name = "WHERE", help_heading = MODEL)]
     pub(crate) sample_position: Option<PositionArg>,
 

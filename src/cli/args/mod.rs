@@ -22,7 +22,7 @@ pub(crate) use demo::DemoArgs;
 pub(crate) use fit::FitArgs;
 pub(crate) use render::RenderArgs;
 
-/// Fit measured isotropic BRDFs (MERL format) with the SGD microfacet model.
+/// Fit measured isotropic BRDFs (MERL, RGL) with the SGD microfacet model.
 #[derive(Debug, Parser)]
 #[command(name = "brdfit", version, max_term_width = 80, after_help = AFTER_HELP, disable_help_subcommand = true)]
 #[command(subcommand_required = true, arg_required_else_help = false)]
@@ -67,7 +67,7 @@ Exit codes:
 
 Examples:
   brdfit demo -o out                 fit an embedded material, draw its slices
-  brdfit fit brdfs -o fits           fit every .binary file in the folder brdfs
+  brdfit fit brdfs -o fits           fit every measured file in the folder brdfs
   brdfit info brdfs/*.binary         look at files before trusting them
   brdfit atlas fits -o atlases       the bandwidth of each lobe, for a GPU
   brdfit render scene.json -o scene.exr --png scene.png
@@ -78,7 +78,7 @@ Examples:
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Fit MERL files: one JSON document per material and a summary
+    /// Fit measured files: one JSON document per material and a summary
     #[command(after_help = fit::EXAMPLES)]
     Fit(Box<FitArgs>),
     /// Precompute the angular bandwidth of every lobe, as a texture
@@ -90,7 +90,7 @@ pub(crate) enum Command {
     /// Print the functions that sample an atlas, for a shader
     #[command(after_help = EXPORT_EXAMPLES)]
     Export(ExportArgs),
-    /// Show the state of MERL files: validity, range, albedo, hash
+    /// Show the state of measured files: validity, range, albedo, hash
     #[command(after_help = INFO_EXAMPLES)]
     Info(InfoArgs),
     /// Make a MERL file from a fit or from an embedded material
@@ -137,7 +137,7 @@ The comment at the head of the text says how to bind the texture.";
 /// Options of `brdfit info`.
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// MERL files
+    /// Measured files: MERL (.binary) and RGL (.bsdf, isotropic, in colours)
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
 
@@ -145,14 +145,15 @@ pub(crate) struct InfoArgs {
     #[arg(long, value_name = "FORMAT", default_value = "text")]
     pub(crate) format: Format,
 
-    /// Where in its cell a sample lies
-    #[arg(long, value_name = "WHERE", default_value = "edge")]
-    pub(crate) sample_position: PositionArg,
+    /// Where in its cell a sample lies [default: edge; RGL: always centre]
+    #[arg(long, value_name = "WHERE")]
+    pub(crate) sample_position: Option<PositionArg>,
 }
 
 const INFO_EXAMPLES: &str = "\
 Examples:
   brdfit info gold.binary
+  brdfit info chm_mint_rgb.bsdf
   brdfit info brdfs/*.binary --format json | jq '.[].zero_peaks'
 A file that cannot be used is one line on standard error, and the exit code.";
 

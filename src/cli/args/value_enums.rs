@@ -189,7 +189,7 @@ words! {
         /// By the operators of figure 4 with a band limit that shortens the whole spectrum
         Operators => Geometry::Operators,
         /// By the operators as they are printed
-        OperatorsLiteral => Geometry::OperatorsLiteral,
+        OperatorsLiteral => Geometry::OperatorsPublished,
     }
 }
 
@@ -199,7 +199,7 @@ words! {
         /// By the variance that the pilot measured
         Variance => Allocation::Variance,
         /// By the published bound, equation 9
-        Eq9 => Allocation::Printed,
+        Eq9 => Allocation::Published,
         /// The same for every point
         Even => Allocation::Even,
     }
@@ -211,7 +211,7 @@ words! {
         /// By tangent planes and normals, Catmull-Rom on smooth surfaces
         EdgeAware => Upsampling::EdgeAware,
         /// By the published Gaussians
-        Paper => Upsampling::Printed,
+        Paper => Upsampling::Published,
     }
 }
 

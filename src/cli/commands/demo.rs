@@ -39,7 +39,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome>
         target: Target::Folder(args.output.clone()),
         job: Job {
             model,
-            sample_position,
+            sample_position: Some(sample_position),
             options: FitOptions::new(model),
             scan: true,
             panel: true,

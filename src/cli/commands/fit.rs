@@ -94,7 +94,7 @@ fn fit(
         Ok(opened) => opened,
         Err(error) => return Ok(Err(error.into())),
     };
-    let there = if plan.resume { resume::reusable(&path, opened.input(), fitter.job()) } else { None };
+    let there = if plan.resume { resume::reusable(&path, &opened, fitter.job()) } else { None };
     let kept = there.is_some();
     let document = match there {
         Some(document) => {

@@ -1,9 +1,8 @@
 //! `brdfit info`: the state of measured files.
 
 use std::path::Path;
-use std::sync::OnceLock;
 
-use brdfit_measured::{Dimensions, Health, HealthCheck, MerlError, MerlFile, SamplePosition};
+use brdfit_measured::{Described, HealthChecks, Info, MeasurementError, SamplePosition};
 
 use crate::args::InfoArgs;
 use crate::args::value_enums::Format;
@@ -15,25 +14,26 @@ use crate::terminal::exit_code::{Outcome, Problem};
 use crate::terminal::info_text;
 
 pub(crate) fn run(args: &InfoArgs, console: &Console) -> anyhow::Result<Outcome> {
-    let checks = Checks::new(args.sample_position.into());
+    let checks = HealthChecks::default();
+    let position = args.sample_position.map(Into::into);
     let progress = console.progress(args.files.len(), "reading");
     let reports = batch::each(&args.files, usize::MAX, |file| {
-        let report = checks.report(file);
+        let report = report(file, position, &checks);
         progress.tick();
         Ok::<_, Problem>(report)
     })?;
     drop(progress);
 
     let mut outcome = Outcome::Done;
-    let mut healthy = Vec::new();
-    for Report { health, error } in reports {
+    let mut described = Vec::new();
+    for Report { info, error } in reports {
         if args.format == Format::Text
-            && let Some(health) = &health
+            && let Some(info) = &info
         {
-            let gap = if healthy.is_empty() { "" } else { "\n" };
-            output::print(&format!("{gap}{}", info_text::render(health, console)))?;
+            let gap = if described.is_empty() { "" } else { "\n" };
+            output::print(&format!("{gap}{}", info_text::render(info, console)))?;
         }
-        healthy.extend(health);
+        described.extend(info);
         if let Some(error) = error {
             let error = error.into();
             console.error(&error);
@@ -41,42 +41,23 @@ pub(crate) fn run(args: &InfoArgs, console: &Console) -> anyhow::Result<Outcome>
         }
     }
     if args.format == Format::Json {
-        output::deliver(None, &json::to_vec(&healthy))?;
+        output::deliver(None, &json::to_vec(&described))?;
     }
     Ok(outcome)
 }
 
 /// What there is to say about one file. A file with wrong values is described and refused.
 struct Report {
-    health: Option<Health>,
-    error: Option<MerlError>,
+    info: Option<Info>,
+    error: Option<MeasurementError>,
 }
 
-/// The checks of the two grids, each made when it is first needed.
-struct Checks {
-    position: SamplePosition,
-    half_turn: OnceLock<HealthCheck>,
-    full_turn: OnceLock<HealthCheck>,
-}
-
-impl Checks {
-    fn new(position: SamplePosition) -> Self {
-        Self { position, half_turn: OnceLock::new(), full_turn: OnceLock::new() }
-    }
-
-    fn report(&self, path: &Path) -> Report {
-        match MerlFile::open(path) {
-            Err(error) => Report { health: None, error: Some(error) },
-            Ok(file) => {
-                let scan = file.scan();
-                let health = self.of(file.dimensions()).examine(&file, &scan);
-                Report { health: Some(health), error: scan.check(path).err() }
-            }
+fn report(path: &Path, position: Option<SamplePosition>, checks: &HealthChecks) -> Report {
+    match brdfit_measured::open(path, position) {
+        Err(error) => Report { info: None, error: Some(error) },
+        Ok(measurement) => {
+            let Described { info, fault } = measurement.info(checks);
+            Report { info: Some(info), error: fault }
         }
-    }
-
-    fn of(&self, dimensions: Dimensions) -> &HealthCheck {
-        let check = if dimensions.is_folded() { &self.half_turn } else { &self.full_turn };
-        check.get_or_init(|| HealthCheck::new(dimensions, self.position))
     }
 }

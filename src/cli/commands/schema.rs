@@ -1,7 +1,7 @@
 //! `brdfit schema`: the JSON Schema (draft 2020-12) of each document, made from the types that write it.
 
 use brdfit_fit::document::{FitDocument, SummaryDocument};
-use brdfit_measured::Health;
+use brdfit_measured::Info;
 use brdfit_renderer::SceneDocument;
 use schemars::Schema;
 use schemars::generate::SchemaSettings;
@@ -27,6 +27,6 @@ fn schema(document: SchemaName) -> Schema {
         SchemaName::Atlas => generator.into_root_schema_for::<Sidecar>(),
         SchemaName::Scene => SceneDocument::schema(),
         SchemaName::Render => generator.into_root_schema_for::<RenderDocument>(),
-        SchemaName::Info => generator.into_root_schema_for::<Vec<Health>>(),
+        SchemaName::Info => generator.into_root_schema_for::<Vec<Info>>(),
     }
 }

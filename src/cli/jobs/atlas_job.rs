@@ -123,7 +123,7 @@ impl AtlasMaker {
         let failed = |error: AtlasError| Problem::computation(format!("{label}: {error}"));
         let (atlas, statistics) = {
             let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
-            in_pool(|| compute_atlas(brdf, true, *layout, *channels, &self.grid, options)).map_err(failed)?
+            in_pool(|| compute_atlas(brdf, *layout, *channels, &self.grid, options)).map_err(failed)?
         };
         let encode = |&content: &FileContent| encode(&atlas, &provenance, content);
         let files = in_pool(|| self.job.files.par_iter().map(encode).collect::<Result<_, _>>()).map_err(failed)?;

@@ -53,7 +53,7 @@ impl AtlasPlan {
         Ok(Self {
             inputs: shard.map_or(inputs.clone(), |shard| shard.part(inputs)),
             reading: Reading {
-                sample_position: args.sample_position.map(Into::into).unwrap_or_default(),
+                sample_position: args.sample_position.map(Into::into),
                 accept_non_finite: args.accept_non_finite,
             },
             job,

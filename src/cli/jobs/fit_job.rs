@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use brdfit_brdf::{MaterialParameters, ModelName};
 use brdfit_fit::document::{ErrorPanel, FitDocument, Input, SCHEMA_VERSION};
 use brdfit_fit::{FitError, FitOptions, PanelGeometry, RecordedOptions, error_panel, fit_slices};
-use brdfit_measured::{Dimensions, MerlError, MerlFile, SamplePosition, Scan};
+use brdfit_measured::{Dimensions, Measurement, MeasurementError, SamplePosition, Survey};
 use tracing::{debug, info};
 
 use crate::jobs::batch::in_pool;
@@ -20,8 +20,8 @@ pub(crate) const PROGRAM: &str = concat!("brdfit ", env!("CARGO_PKG_VERSION"));
 pub(crate) struct Job {
     /// What is fitted.
     pub(crate) model: ModelName,
-    /// Where in its cell a sample lies.
-    pub(crate) sample_position: SamplePosition,
+    /// Where in its cell a sample lies; `None`: as the format of each file has it.
+    pub(crate) sample_position: Option<SamplePosition>,
     /// How it is fitted.
     pub(crate) options: FitOptions,
     /// Whether the whole file is read, for its hash and for cells that are no numbers.
@@ -33,9 +33,9 @@ pub(crate) struct Job {
 }
 
 impl Job {
-    /// The options as documents record them.
+    /// The options as the summary of a batch records them.
     pub(crate) fn recorded(&self) -> RecordedOptions {
-        RecordedOptions::new(&self.options, self.sample_position)
+        RecordedOptions::new(&self.options, self.sample_position.unwrap_or_default())
     }
 }
 
@@ -43,16 +43,17 @@ impl Job {
 #[derive(Debug)]
 pub(crate) struct Fitter {
     job: Job,
-    half_turn: OnceLock<PanelGeometry>,
-    full_turn: OnceLock<PanelGeometry>,
+    /// For either number of phi_d bins and either position of the samples.
+    geometries: [OnceLock<PanelGeometry>; 4],
 }
 
 /// A file that is ready to be fitted.
 #[derive(Debug)]
 pub(crate) struct Opened {
-    file: MerlFile,
-    scan: Option<Scan>,
+    measurement: Box<dyn Measurement>,
+    survey: Option<Survey>,
     input: Input,
+    options: RecordedOptions,
 }
 
 impl Opened {
@@ -60,27 +61,16 @@ impl Opened {
     pub(crate) fn input(&self) -> &Input {
         &self.input
     }
-}
 
-/// Looks at every cell; where `accept_non_finite`, cells that are no numbers count as cells without a measurement.
-///
-/// # Errors
-/// Values that no measurement has, or no measurement at all.
-pub(crate) fn scan(file: &MerlFile, accept_non_finite: bool) -> Result<Scan, MerlError> {
-    let scan = in_pool(|| file.scan());
-    match scan.check(file.path()) {
-        Err(MerlError::NotANumber { .. } | MerlError::Infinite { .. })
-            if accept_non_finite && scan.valid_cells() > 0 =>
-        {
-            Ok(scan)
-        }
-        checked => checked.map(|()| scan),
+    /// How the file is fitted: the options of the job, and where the samples of this file lie.
+    pub(crate) fn options(&self) -> &RecordedOptions {
+        &self.options
     }
 }
 
 impl Fitter {
     pub(crate) fn new(job: Job) -> Self {
-        Self { job, half_turn: OnceLock::new(), full_turn: OnceLock::new() }
+        Self { job, geometries: Default::default() }
     }
 
     pub(crate) fn job(&self) -> &Job {
@@ -90,19 +80,22 @@ impl Fitter {
     /// Opens a file and, if the job says so, looks at every cell.
     ///
     /// # Errors
-    /// A file that cannot be read or is no MERL file.
-    pub(crate) fn open(&self, input: &InputFile) -> Result<Opened, MerlError> {
+    /// A file that cannot be read or is no measured file.
+    pub(crate) fn open(&self, input: &InputFile) -> Result<Opened, MeasurementError> {
         info!(file = %input.path.display(), "open");
-        let file = MerlFile::open(&input.path)?;
-        let scan = self.job.scan.then(|| scan(&file, self.job.accept_non_finite)).transpose()?;
+        let measurement = brdfit_measured::open(&input.path, self.job.sample_position)?;
+        let survey = || in_pool(|| measurement.survey(self.job.accept_non_finite));
+        let survey = self.job.scan.then(survey).transpose()?;
+        let sample_position = measurement.source().sample_position;
         let input = Input {
             name: input.name.clone(),
-            sha256: scan.as_ref().map(Scan::sha256_hex),
-            dimensions: file.dimensions().shape(),
-            sample_position: self.job.sample_position,
-            valid_fraction: scan.as_ref().map(Scan::valid_fraction),
+            sha256: survey.as_ref().map(|survey| survey.sha256.clone()),
+            dimensions: measurement.dimensions().shape(),
+            sample_position,
+            valid_fraction: survey.as_ref().map(Survey::valid_fraction),
         };
-        Ok(Opened { file, scan, input })
+        let options = RecordedOptions::new(&self.job.options, sample_position);
+        Ok(Opened { measurement, survey, input, options })
     }
 
     /// Fits an open file.
@@ -110,10 +103,9 @@ impl Fitter {
     /// # Errors
     /// Where the fit or the panel says that it cannot be done.
     pub(crate) fn fit(&self, opened: Opened) -> Result<FitDocument, Problem> {
-        let Opened { file, scan, input } = opened;
-        let label = file.path().display();
-        let Job { model, sample_position, options, .. } = &self.job;
-        let fit = in_pool(|| fit_slices(&file.slices(*sample_position), *model, options));
+        let Opened { measurement, survey, input, options } = opened;
+        let label = measurement.source().path.display();
+        let fit = in_pool(|| fit_slices(&measurement.slices(), self.job.model, &self.job.options));
         let fit = fit.map_err(|error| match error {
             FitError::FewRows { .. } => Problem::invalid(format!("{label}: {error}")),
             _ => Problem::computation(format!("{label}: {error}")),
@@ -121,31 +113,37 @@ impl Fitter {
         for channel in &fit.channels {
             debug!(file = %label, channel = channel.name, parameters = ?channel.parameters, flags = ?channel.flags, "fitted");
         }
-        let errors = match &scan {
-            Some(scan) if self.job.panel => Some(self.panel(&file, scan, &fit.parameters)),
+        let errors = match &survey {
+            Some(survey) if self.job.panel => self.panel(measurement.as_ref(), survey, &fit.parameters),
             _ => None,
         };
         Ok(FitDocument {
             schema_version: SCHEMA_VERSION,
             program: PROGRAM.to_owned(),
             input,
-            options: self.job.recorded(),
-            model: *model,
+            options,
+            model: self.job.model,
             channels: fit.channels.into(),
             errors,
             slices: fit.slices,
         })
     }
 
-    fn panel(&self, file: &MerlFile, scan: &Scan, parameters: &MaterialParameters) -> ErrorPanel {
-        let geometry = self.geometry(file.dimensions());
-        in_pool(|| error_panel(file, scan.valid(), geometry, parameters))
+    fn panel(
+        &self,
+        measurement: &dyn Measurement,
+        survey: &Survey,
+        parameters: &MaterialParameters,
+    ) -> Option<ErrorPanel> {
+        let cells = in_pool(|| measurement.cells())?;
+        let geometry = self.geometry(cells.dimensions(), measurement.source().sample_position);
+        Some(in_pool(|| error_panel(&cells, &survey.valid, geometry, parameters)))
     }
 
     /// The geometry of the panel, made when it is first asked for. The caller must not be a thread of the pool: one that
     /// waits for its own work there would wait for ever.
-    fn geometry(&self, dimensions: Dimensions) -> &PanelGeometry {
-        let cell = if dimensions.is_folded() { &self.half_turn } else { &self.full_turn };
-        cell.get_or_init(|| in_pool(|| PanelGeometry::new(dimensions, self.job.sample_position)))
+    fn geometry(&self, dimensions: Dimensions, position: SamplePosition) -> &PanelGeometry {
+        let index = 2 * usize::from(dimensions.is_folded()) + usize::from(position == SamplePosition::Edge);
+        self.geometries[index].get_or_init(|| in_pool(|| PanelGeometry::new(dimensions, position)))
     }
 }

@@ -76,7 +76,7 @@ impl FitPlan {
         }
         let job = Job {
             model: args.model,
-            sample_position: args.sample_position.map(Into::into).unwrap_or_default(),
+            sample_position: args.sample_position.map(Into::into),
             options,
             scan: !args.no_hash,
             panel: !args.no_panel && !args.no_hash,

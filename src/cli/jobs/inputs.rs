@@ -6,6 +6,7 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use brdfit_measured::extensions as measured_extensions;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::error::Category;
@@ -15,10 +16,10 @@ use crate::terminal::exit_code::Problem;
 /// Which files a command takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
-    /// Measured files; from folders, those that end in .binary.
+    /// Measured files; from folders, those with the extension of a format.
     Measured,
-    /// Measured files and the results of fits; from folders, what ends in .binary, and of what ends in .json all but other
-    /// documents.
+    /// Measured files and the results of fits; from folders, those with the extension of a format, and of what ends in .json
+    /// all but other documents.
     Materials,
 }
 
@@ -26,17 +27,18 @@ impl Wanted {
     /// Whether a file is taken from a folder.
     fn takes(self, path: &Path) -> bool {
         match path.extension().and_then(OsStr::to_str) {
-            Some("binary") => true,
+            Some(extension) if measured_extensions().any(|known| known == extension) => true,
             Some("json") => self == Self::Materials && may_be_fit(path),
             _ => false,
         }
     }
 
     /// The files of [`Self::takes`] in words.
-    fn name(self) -> &'static str {
+    fn name(self) -> String {
+        let measured = measured_extensions().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(" or ");
         match self {
-            Self::Measured => ".binary file",
-            Self::Materials => ".binary file or fit",
+            Self::Measured => format!("{measured} file"),
+            Self::Materials => format!("{measured} file or fit"),
         }
     }
 }
@@ -68,7 +70,7 @@ impl InputFile {
     /// Where the name would not do for a result: it has none, or that of a fit would be the name of a summary.
     pub(crate) fn new(path: PathBuf, wanted: Wanted) -> Result<Self, Problem> {
         let Some(name) = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()) else {
-            return Err(Problem::usage(format!("{}: is not the name of a file; name a MERL file", path.display())));
+            return Err(Problem::usage(format!("{}: is not the name of a file; name a measured file", path.display())));
         };
         if wanted == Wanted::Measured && (name == "summary" || name.starts_with("summary.")) {
             return Err(Problem::usage(format!(
@@ -200,7 +202,7 @@ mod tests {
 
     #[test]
     fn folders_are_searched_and_sorted() {
-        let folder = folder(&["b.binary", "a.binary", "c.txt", "deep/d.binary"]);
+        let folder = folder(&["b.binary", "a.binary", "c.txt", "deep/d.bsdf"]);
         let typed = [folder.path().to_path_buf()];
         assert_eq!(names(&collect(&typed, false, Wanted::Measured).unwrap()), ["a", "b"]);
         assert_eq!(names(&collect(&typed, true, Wanted::Measured).unwrap()), ["a", "b", "d"]);

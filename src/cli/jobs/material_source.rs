@@ -2,14 +2,13 @@
 
 use std::path::Path;
 
-use brdfit_bandwidth::sidecar::{Source, SourceKind};
+use brdfit_bandwidth::sidecar::Source;
 use brdfit_brdf::{Brdf, MaterialParameters};
-use brdfit_measured::{MeasuredBrdf, MerlFile, SamplePosition};
+use brdfit_measured::{Measurement, SamplePosition};
 use tracing::info;
 
 use crate::args::embedded_materials::{self, Embedded};
 use crate::jobs::batch::in_pool;
-use crate::jobs::fit_job;
 use crate::jobs::inputs::InputFile;
 use crate::results::documents::Document;
 use crate::terminal::exit_code::Problem;
@@ -17,7 +16,7 @@ use crate::terminal::exit_code::Problem;
 /// Where a material comes from, before anything is read.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum MaterialInput {
-    /// A MERL file.
+    /// A measured file.
     Measured(InputFile),
     /// A document with parameters.
     Fit(InputFile),
@@ -28,11 +27,14 @@ pub(crate) enum MaterialInput {
 /// How measured files are read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Reading {
-    /// Where in its cell a sample lies.
-    pub(crate) sample_position: SamplePosition,
+    /// Where in its cell a sample lies; `None`: as the format has it.
+    pub(crate) sample_position: Option<SamplePosition>,
     /// Whether cells that are no numbers count as cells without a measurement.
     pub(crate) accept_non_finite: bool,
 }
+
+/// [`Source::kind`] of the results of fits; that of a measurement is its format's.
+const FIT: &str = "fit";
 
 /// Where a material comes from, as documents say it.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +47,7 @@ pub(crate) struct Origin {
 impl Origin {
     /// The origin of a material with parameters; an embedded one has no file and no hash.
     pub(crate) fn fit(name: &str, sha256: Option<String>) -> Self {
-        Self { source: Source { name: name.to_owned(), sha256, kind: SourceKind::Fit }, sample_position: None }
+        Self { source: Source { name: name.to_owned(), sha256, kind: FIT.to_owned() }, sample_position: None }
     }
 }
 
@@ -58,7 +60,7 @@ pub(crate) struct OpenedMaterial {
 
 #[derive(Debug)]
 enum Content {
-    Measured(MerlFile, SamplePosition),
+    Measured(Box<dyn Measurement>),
     Fit(MaterialParameters),
 }
 
@@ -104,13 +106,13 @@ impl MaterialInput {
         info!(material = %self.label(), "open");
         Ok(match self {
             Self::Measured(InputFile { path, name }) => {
-                let file = MerlFile::open(path)?;
-                let scan = fit_job::scan(&file, reading.accept_non_finite)?;
-                let position = reading.sample_position;
-                let source = Source { name: name.clone(), sha256: Some(scan.sha256_hex()), kind: SourceKind::Merl };
+                let measurement = brdfit_measured::open(path, reading.sample_position)?;
+                let survey = in_pool(|| measurement.survey(reading.accept_non_finite))?;
+                let brdfit_measured::Source { format, sample_position, .. } = *measurement.source();
+                let source = Source { name: name.clone(), sha256: Some(survey.sha256), kind: format.to_owned() };
                 OpenedMaterial {
-                    origin: Origin { source, sample_position: Some(position) },
-                    content: Content::Measured(file, position),
+                    origin: Origin { source, sample_position: Some(sample_position) },
+                    content: Content::Measured(measurement),
                 }
             }
             Self::Fit(InputFile { path, name }) => {
@@ -134,7 +136,7 @@ impl OpenedMaterial {
     pub(crate) fn brdf(self) -> anyhow::Result<Box<dyn Brdf>> {
         in_pool(|| {
             Ok(match self.content {
-                Content::Measured(file, position) => Box::new(MeasuredBrdf::new(&file, position)?) as Box<dyn Brdf>,
+                Content::Measured(measurement) => measurement.brdf()?,
                 Content::Fit(parameters) => parameters.brdf(),
             })
         })

@@ -8,6 +8,8 @@ pub(crate) mod fit_plan;
 pub(crate) mod inputs;
 pub(crate) mod material_source;
 pub(crate) mod render_files;
+pub(crate) mod render_frame;
+pub(crate) mod render_options;
 pub(crate) mod render_plan;
 pub(crate) mod render_scene;
 pub(crate) mod render_stats;

@@ -4,10 +4,11 @@ use std::fs;
 use std::path::Path;
 
 use brdfit_renderer::{
-    COARSEST_LEVEL, Exposure, Film, FilmError, LatLong, Light, Panel, Radiance, shown, side_by_side, to_png,
+    COARSEST_LEVEL, Exposure, Film, FilmError, LatLong, LayerGroup, Light, LightBandwidth, Panel, Radiance,
+    finite_or_minus_one, shown, side_by_side, to_png,
 };
 
-use crate::commands::render::Frame;
+use crate::jobs::render_frame::RenderedScene;
 use crate::jobs::render_plan::RenderPlan;
 use crate::results::output;
 use crate::terminal::exit_code::Problem;
@@ -17,11 +18,10 @@ const LIGHT_MAP: [usize; 2] = [2048, 1024];
 
 /// What was rendered.
 pub(crate) struct Rendered<'a> {
-    pub(crate) frame: &'a Frame,
+    pub(crate) scene: &'a RenderedScene<'a>,
     /// With its background.
     pub(crate) image: &'a [[f32; 3]],
     pub(crate) exposure: Exposure,
-    pub(crate) light: &'a Light,
 }
 
 /// Writes all files of the plan but the statistics.
@@ -29,25 +29,25 @@ pub(crate) struct Rendered<'a> {
 /// # Errors
 /// What the operating system reports.
 pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Problem> {
-    let Rendered { frame, image, exposure, light } = rendered;
-    let gbuffer = &frame.gbuffer;
+    let Rendered { scene, image, exposure } = rendered;
+    let [width, height] = scene.gbuffer().size();
     let files = &plan.files;
-    let mut film = Film::new(gbuffer.width, gbuffer.height).radiance(image);
-    for &pass in &plan.passes {
-        film = frame.renderer.add_to(film, pass, gbuffer, &frame.differentials, &frame.light_bandwidth);
-    }
-    if let Some(variance) = &frame.variance {
+    let layers = plan.layers.iter().flat_map(|&group| scene.layers(group));
+    let mut film = layers.fold(Film::new(width, height).radiance(image), |film, layer| film.layer(&layer));
+    if let Some(variance) = &scene.variance {
         film = film.scalar("variance", variance.iter().copied());
     }
     encoded(&files.image, film.to_exr())?;
     if let Some(path) = &files.png {
-        encoded(path, to_png(&shown(image, gbuffer.width, *exposure)))?;
+        encoded(path, to_png(&shown(image, width, *exposure)))?;
     }
     if let Some(path) = &files.map {
         write_map(path, "", rendered)?;
     }
     if let Some(path) = &files.light_map {
-        encoded(path, light_map(light, frame))?;
+        if let Some((light, bandwidth)) = scene.input().lights().environment() {
+            encoded(path, light_map(light, bandwidth))?;
+        }
     }
     Ok(())
 }
@@ -57,12 +57,15 @@ pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Pr
 /// # Errors
 /// What the operating system reports.
 pub(crate) fn write_map(path: &Path, title: &str, rendered: &Rendered<'_>) -> Result<(), Problem> {
-    let Frame { gbuffer, renderer, .. } = rendered.frame;
-    let level = |&[level, ..]: &[f32; 3]| if level < 0.0 { u8::MAX } else { (level as u8).min(COARSEST_LEVEL as u8) };
-    let levels: Vec<u8> = renderer.shading_of_pixels(gbuffer).iter().map(level).collect();
+    let width = rendered.scene.gbuffer().size()[0];
+    let level = |&level: &f32| if level < 0.0 { u8::MAX } else { (level as u8).min(COARSEST_LEVEL as u8) };
+    let list = rendered.scene.layers(LayerGroup::List);
+    let mut planes = list.iter().flat_map(|layer| layer.planes());
+    let levels = planes.find(|(component, _)| *component == "LEVEL").map_or(&[][..], |(_, plane)| plane);
+    let levels: Vec<u8> = levels.iter().map(level).collect();
     let panels = [
-        Panel::image("image", rendered.image, gbuffer.width, rendered.exposure),
-        Panel::levels("shaded once per", &levels, gbuffer.width),
+        Panel::image("image", rendered.image, width, rendered.exposure),
+        Panel::levels("shaded once per", &levels, width),
     ];
     encoded(path, to_png(&side_by_side(title, &panels, 2)))
 }
@@ -76,13 +79,12 @@ fn encoded(path: &Path, bytes: Result<Vec<u8>, FilmError>) -> Result<(), Problem
 }
 
 /// The light by latitude and longitude, with a layer of its bandwidth.
-fn light_map(light: &Light, frame: &Frame) -> Result<Vec<u8>, FilmError> {
+fn light_map(light: &Light, bandwidth: &LightBandwidth) -> Result<Vec<u8>, FilmError> {
     let [width, height] = LIGHT_MAP;
     let map = light.to_lat_long(width, height);
     let bandwidth = (0..width * height).map(|pixel| {
         let place = [(pixel % width) as f32 + 0.5, (pixel / width) as f32 + 0.5];
-        let bandwidth = frame.light_bandwidth.at(LatLong::direction(place, [width, height]));
-        if bandwidth.is_finite() { bandwidth } else { -1.0 }
+        finite_or_minus_one(bandwidth.at(LatLong::direction(place, [width, height])))
     });
     Film::new(width, height).radiance(map.pixels()).scalar("bandwidth", bandwidth).to_exr()
 }
@@ -95,4 +97,9 @@ pub(crate) fn read_image(path: &Path, [width, height]: [usize; 2]) -> Result<Vec
     let bytes = fs::read(path).map_err(|error| Problem::reading(path, &error))?;
     let image = Radiance::from_exr(&bytes).and_then(|image| image.sized(width, height));
     image.map(|image| image.pixels).map_err(|error| Problem::invalid(format!("{}: {error}", path.display())))
+}
+
+/// The name of a file without its folder.
+pub(crate) fn file_name(path: &Path) -> String {
+    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }

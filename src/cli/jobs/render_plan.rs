@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use brdfit_renderer::{Budget, Exposure, Mode, Pass, Prefilter, RenderOptions};
+use brdfit_renderer::{Exposure, LayerGroup, RenderOptions};
 
 use crate::args::render::RenderArgs;
 use crate::args::value_enums::{BackgroundArg, LayerArg};
-use crate::jobs::fit_plan::must_lie;
 use crate::jobs::inputs::is_same_file;
+use crate::jobs::render_options::options;
 use crate::results::output;
 use crate::terminal::exit_code::Problem;
 
@@ -19,7 +19,7 @@ pub(crate) struct RenderPlan {
     pub(crate) materials: Option<PathBuf>,
     pub(crate) options: RenderOptions,
     /// Layers of the image, in the order of the frame.
-    pub(crate) passes: Vec<Pass>,
+    pub(crate) layers: Vec<LayerGroup>,
     pub(crate) background: BackgroundArg,
     pub(crate) exposure: Option<Exposure>,
     /// Frames that are averaged.
@@ -59,7 +59,7 @@ impl RenderPlan {
             scene: args.scene.clone(),
             materials: args.materials.clone(),
             options: options(args)?,
-            passes: passes(&args.layers),
+            layers: groups(&args.layers),
             background: args.background,
             exposure: exposure.transpose()?,
             frames: args.frames,
@@ -70,67 +70,21 @@ impl RenderPlan {
     }
 }
 
-fn options(args: &RenderArgs) -> Result<RenderOptions, Problem> {
-    let mode = Mode::from(args.mode);
-    let budget = match args.target_error {
-        Some(_) if mode == Mode::Reference => {
-            return Err(Problem::usage("--target-error: --mode reference predicts nothing; choose --spp"));
-        }
-        Some(e) => Budget::TargetError(must_lie("--target-error", e, e > 0.0 && e <= 10.0, "above 0, up to 10")?),
-        None => Budget::SamplesPerPixel(must_lie(
-            "--spp",
-            args.spp,
-            args.spp > 0.0 && args.spp <= 65536.0,
-            "above 0, up to 65536",
-        )?),
-    };
-    if mode == Mode::Reference && args.spp.round() < 1.0 {
-        return Err(Problem::usage(format!("--spp {}: --mode reference wants at least one sample", args.spp)));
-    }
-    let rate = f64::from(args.sampling_rate);
-    must_lie("--sampling-rate", rate, (0.01..=100.0).contains(&rate), "from 0.01 to 100")?;
-    Ok(RenderOptions {
-        mode,
-        budget,
-        seed: args.seed,
-        pilot_samples: args.pilot_samples,
-        geometry: args.geometry.into(),
-        sampling_rate: args.sampling_rate,
-        allocation: args.allocation.into(),
-        upsampling: args.upsample.into(),
-        prefilter: prefilter(&args.prefilter, mode)?,
-    })
-}
-
-fn prefilter(word: &str, mode: Mode) -> Result<Prefilter, Problem> {
-    match word {
-        "never" => Ok(Prefilter::Never),
-        "always" => Ok(Prefilter::Always),
-        number => match number.parse::<f32>() {
-            Ok(_) if mode == Mode::Reference => {
-                Err(Problem::usage(format!("--prefilter {word}: --mode reference predicts nothing; never or always")))
-            }
-            Ok(threshold) if threshold >= 0.0 && threshold.is_finite() => Ok(Prefilter::Above(threshold)),
-            _ => Err(Problem::usage(format!("--prefilter {word}: must be never, always, or a number from 0"))),
-        },
-    }
-}
-
-/// Each pass once, in the order of the frame.
-fn passes(layers: &[LayerArg]) -> Vec<Pass> {
-    let wanted = |pass: &Pass| {
-        let layer = match pass {
-            Pass::GBuffer => LayerArg::Gbuffer,
-            Pass::Light => LayerArg::Light,
-            Pass::Pilot => LayerArg::Pilot,
-            Pass::Bandwidth => LayerArg::Bandwidth,
-            Pass::Decision => LayerArg::Decision,
-            Pass::List => LayerArg::List,
-            Pass::Upsampled => LayerArg::Upsampled,
+/// Each group once, in the order of the frame.
+fn groups(layers: &[LayerArg]) -> Vec<LayerGroup> {
+    let wanted = |group: &LayerGroup| {
+        let layer = match group {
+            LayerGroup::GBuffer => LayerArg::Gbuffer,
+            LayerGroup::Light => LayerArg::Light,
+            LayerGroup::Pilot => LayerArg::Pilot,
+            LayerGroup::Bandwidth => LayerArg::Bandwidth,
+            LayerGroup::Decision => LayerArg::Decision,
+            LayerGroup::List => LayerArg::List,
+            LayerGroup::Upsampled => LayerArg::Upsampled,
         };
         layers.contains(&LayerArg::All) || layers.contains(&layer)
     };
-    Pass::ALL.into_iter().filter(wanted).collect()
+    LayerGroup::ALL.into_iter().filter(wanted).collect()
 }
 
 /// Refuses a file that is written twice, read and written, or cannot appear where it should. Only statistics may go to standard
@@ -160,6 +114,8 @@ fn check_places(args: &RenderArgs, files: &RenderTargets) -> Result<(), Problem>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use brdfit_renderer::{Budget, Prefilter};
+
     use crate::args::{Cli, Command};
     use clap::Parser;
 
@@ -186,12 +142,12 @@ mod tests {
         assert_eq!(plan.options.budget, Budget::TargetError(0.05));
         assert_eq!(plan.options.prefilter, Prefilter::Above(0.2));
         assert_eq!((plan.options.seed, plan.options.pilot_samples, plan.repeat), (7, 64, 5));
-        assert_eq!(plan.passes, [Pass::GBuffer, Pass::List]);
-        assert_eq!(passes(&[LayerArg::All]), Pass::ALL);
+        assert_eq!(plan.layers, [LayerGroup::GBuffer, LayerGroup::List]);
+        assert_eq!(groups(&[LayerArg::All]), LayerGroup::ALL);
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused() {
+    fn invalid_options_are_refused() {
         for (options, part) in [
             ("--spp 0", "--spp 0: must lie above 0"),
             ("--spp nan", "--spp NaN"),

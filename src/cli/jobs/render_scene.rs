@@ -3,12 +3,13 @@
 use std::cell::LazyCell;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use brdfit_bandwidth::{Atlas, AtlasChannels, AtlasError, Layout, LobeGrid, LobeOptions, compute_atlas, exr, ktx2};
 use brdfit_brdf::{Brdf, GgxMaterial, Lambert};
 use brdfit_measured::SamplePosition;
 use brdfit_renderer::scene::{MaterialSource, SampleLocation, SceneMaterial};
-use brdfit_renderer::{Light, Scene, SceneDocument, SceneError};
+use brdfit_renderer::{Bandwidth, Light, LightSet, Material, Scene, SceneDocument, SceneError};
 use tracing::info;
 
 use crate::args::embedded_materials;
@@ -21,16 +22,26 @@ use crate::terminal::exit_code::Problem;
 /// A scene, ready to be rendered.
 pub(crate) struct LoadedScene {
     pub(crate) scene: Scene,
-    pub(crate) light: Light,
+    pub(crate) lights: LightSet,
+    /// What the bandwidth of the lights took.
+    pub(crate) light_bandwidth: Duration,
     /// In the order of the G-buffer's indices.
     pub(crate) materials: Vec<LoadedMaterial>,
     pub(crate) sha256: String,
 }
 
-/// A BRDF and its atlas.
+/// A BRDF and its bandwidth.
 pub(crate) struct LoadedMaterial {
-    pub(crate) brdf: Box<dyn Brdf>,
-    pub(crate) atlas: Atlas,
+    brdf: Box<dyn Brdf>,
+    /// None for a diffuse material, whose bandwidth is 0.
+    atlas: Option<Atlas>,
+}
+
+impl LoadedMaterial {
+    /// As frames take it.
+    pub(crate) fn for_frames(&self) -> Material<'_> {
+        Material::new(self.brdf.as_ref(), self.atlas.as_ref().map_or(Bandwidth::Constant(0.0), Bandwidth::Atlas))
+    }
 }
 
 /// Where the files are that a scene names.
@@ -62,12 +73,15 @@ impl LoadedScene {
             .collect::<anyhow::Result<_>>()?;
         let scene = in_pool(|| Scene::load(&described, folder)).map_err(failed)?;
         info!(triangles = scene.triangle_count(), "surfaces");
-        let light = in_pool(|| described.light.light(folder, Light::SIZE)).map_err(failed)?;
+        let environment = in_pool(|| described.environment(folder, Light::SIZE)).map_err(failed)?;
+        let start = Instant::now();
+        let lights = in_pool(|| LightSet::new(environment, described.near_lights()));
+        let light_bandwidth = start.elapsed();
         // when all files have been read: atlases take their time, and what is wrong should be known before
         let grid: LazyCell<LobeGrid> = LazyCell::new(LobeGrid::default);
         let materials =
             opened.into_iter().map(|(opened, member)| opened.complete(&member, &grid)).collect::<Result<_, _>>()?;
-        Ok(Self { scene, light, materials, sha256: document.sha256() })
+        Ok(Self { scene, lights, light_bandwidth, materials, sha256: document.sha256() })
     }
 }
 
@@ -75,6 +89,7 @@ impl LoadedScene {
 struct OpenedMaterial {
     brdf: Box<dyn Brdf>,
     atlas: Option<Atlas>,
+    is_diffuse: bool,
 }
 
 impl OpenedMaterial {
@@ -84,21 +99,21 @@ impl OpenedMaterial {
         let brdf = brdf(&document.source, folders).map_err(|error| within(&error, source_member(&document.source)))?;
         let atlas = document.atlas.as_ref().map(|file| read_atlas(&folders.find(file)));
         let atlas = atlas.transpose().map_err(|problem| within(&problem.into(), "atlas"))?;
-        Ok(Self { brdf, atlas })
+        Ok(Self { brdf, atlas, is_diffuse: matches!(document.source, MaterialSource::Lambert(_)) })
     }
 
-    /// The material with its atlas, which is computed where none was named.
+    /// The material with its atlas, which is computed where none was named and the material needs one.
     fn complete(self, member: &str, grid: &LazyCell<LobeGrid>) -> Result<LoadedMaterial, Problem> {
-        let Self { brdf, atlas } = self;
-        if let Some(atlas) = atlas {
+        let Self { brdf, atlas, is_diffuse } = self;
+        if atlas.is_some() || is_diffuse {
             return Ok(LoadedMaterial { brdf, atlas });
         }
         info!(material = member, "no atlas is named; one is computed");
         let (channels, options) = (AtlasChannels::Max, LobeOptions::default());
         let grid: &LobeGrid = grid;
-        let (atlas, _) = in_pool(|| compute_atlas(brdf.as_ref(), true, Layout::Isotropic, channels, grid, &options))
+        let (atlas, _) = in_pool(|| compute_atlas(brdf.as_ref(), Layout::Isotropic, channels, grid, &options))
             .map_err(|error| Problem::computation(format!("{member}: {error}")))?;
-        Ok(LoadedMaterial { brdf, atlas: atlas.rounded_up() })
+        Ok(LoadedMaterial { brdf, atlas: Some(atlas.rounded_up()) })
     }
 }
 
@@ -130,10 +145,10 @@ fn brdf(source: &MaterialSource, folders: &Folders<'_>) -> anyhow::Result<Box<dy
         }
         MaterialSource::Fit(file) => (MaterialInput::Fit(folders.input(file)?), Reading::default()),
         MaterialSource::Measured { file, sample_position } => {
-            let sample_position = match sample_position {
+            let sample_position = sample_position.map(|location| match location {
                 SampleLocation::Edge => SamplePosition::Edge,
                 SampleLocation::Centre => SamplePosition::Centre,
-            };
+            });
             (MaterialInput::Measured(folders.input(file)?), Reading { sample_position, ..Reading::default() })
         }
     };

@@ -2,9 +2,11 @@
 
 use std::time::Duration;
 
-use brdfit_renderer::{Budget, FrameStatistics, Mode, Prefilter, RenderOptions, Times};
+use brdfit_renderer::{FrameStatistics, Times};
 use schemars::JsonSchema;
 use serde::Serialize;
+
+use crate::jobs::render_options::OptionsEntry;
 
 /// Version of the layout.
 const SCHEMA_VERSION: u32 = 1;
@@ -44,33 +46,6 @@ pub(crate) struct SceneEntry {
     pub(crate) name: String,
     /// SHA-256 of the file.
     pub(crate) sha256: String,
-}
-
-/// Options, by the words of the command line.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub(crate) struct OptionsEntry {
-    /// Which parts of the prediction are used.
-    pub(crate) mode: String,
-    /// Mean samples per pixel that were asked for.
-    pub(crate) spp: Option<f64>,
-    /// Relative error that was asked for.
-    pub(crate) target_error: Option<f64>,
-    /// Seed.
-    pub(crate) seed: u32,
-    /// Frames that were averaged.
-    pub(crate) frames: u32,
-    /// Samples of a pilot point.
-    pub(crate) pilot_samples: u32,
-    /// How bandwidth is carried into the image.
-    pub(crate) geometry: String,
-    /// Samples per cycle, over two.
-    pub(crate) sampling_rate: f32,
-    /// How samples are distributed.
-    pub(crate) allocation: String,
-    /// How pixels are filled.
-    pub(crate) upsample: String,
-    /// never, always, or the threshold.
-    pub(crate) prefilter: String,
 }
 
 /// Samples.
@@ -133,7 +108,7 @@ impl RenderDocument {
         statistics: &FrameStatistics,
         milliseconds: TimesEntry,
     ) -> Self {
-        let FrameStatistics { foreground, pilot_samples: pilot, shading_samples: shading, shaded, filtered, .. } =
+        let FrameStatistics { foreground, pilot_samples: pilot, shading_samples: shading, shaded, prefiltered, .. } =
             *statistics;
         let per_pixel = (pilot + shading) as f64 / (foreground.max(1)) as f64;
         Self {
@@ -145,34 +120,9 @@ impl RenderDocument {
             foreground,
             samples: SamplesEntry { pilot, shading, per_pixel },
             shaded_per_level: shaded.to_vec(),
-            prefiltered: filtered,
+            prefiltered,
             milliseconds,
             quality: None,
-        }
-    }
-}
-
-impl OptionsEntry {
-    /// The options by the words that were typed.
-    pub(crate) fn new(options: &RenderOptions, frames: u32, words: [String; 4]) -> Self {
-        let [mode, geometry, allocation, upsample] = words;
-        let predicts = options.mode != Mode::Reference;
-        Self {
-            mode,
-            spp: if let Budget::SamplesPerPixel(spp) = options.budget { Some(spp) } else { None },
-            target_error: if let Budget::TargetError(error) = options.budget { Some(error) } else { None },
-            seed: options.seed,
-            frames,
-            pilot_samples: if predicts { options.pilot_samples } else { 0 },
-            geometry,
-            sampling_rate: options.sampling_rate,
-            allocation,
-            upsample,
-            prefilter: match options.prefilter {
-                Prefilter::Never => "never".to_owned(),
-                Prefilter::Always => "always".to_owned(),
-                Prefilter::Above(threshold) => threshold.to_string(),
-            },
         }
     }
 }
@@ -189,11 +139,11 @@ impl TimesEntry {
             gbuffer: milliseconds(gbuffer),
             light_bandwidth: milliseconds(light_bandwidth),
             pilot: median(|times| times.pilot),
-            bandwidth_buffer: median(|times| times.bandwidth_buffer),
+            bandwidth_buffer: median(|times| times.bandwidth),
             decisions: median(|times| times.decisions),
             list: median(|times| times.list),
             shading: median(|times| times.shading),
-            upsampling: median(|times| times.interpolation),
+            upsampling: median(|times| times.upsampling),
             resolve: median(|times| times.resolve),
             frame: median(Times::frame),
         }

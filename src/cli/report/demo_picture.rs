@@ -9,10 +9,10 @@ use brdfit_renderer::scene::{
 use brdfit_renderer::{Budget, Procedural, RenderOptions, SceneDocument};
 
 use crate::args::value_enums::BackgroundArg;
-use crate::commands::render::Frame;
 use crate::jobs::atlas_job::file_name;
 use crate::jobs::batch::in_pool;
 use crate::jobs::render_files::{Rendered, write_map};
+use crate::jobs::render_frame::RenderedScene;
 use crate::jobs::render_scene::LoadedScene;
 use crate::results::json;
 use crate::results::output;
@@ -44,10 +44,10 @@ impl PictureFiles {
         output::write(&self.scene, &json::to_vec(&scene(name)))?;
         let loaded = LoadedScene::open(&self.scene, None)?;
         let options = RenderOptions { budget: Budget::SamplesPerPixel(16.0), ..RenderOptions::default() };
-        let frame = in_pool(|| Frame::render(&loaded, &options, 1, 1));
-        let image = frame.image(&loaded.light, BackgroundArg::Light);
-        let exposure = frame.exposure(None);
-        let rendered = Rendered { frame: &frame, image: &image, exposure, light: &loaded.light };
+        let sphere = in_pool(|| RenderedScene::render(&loaded, &options, 1, 1))?;
+        let image = sphere.image(BackgroundArg::Light);
+        let exposure = sphere.exposure(None);
+        let rendered = Rendered { scene: &sphere, image: &image, exposure };
         Ok(write_map(&self.picture, name, &rendered)?)
     }
 }
@@ -69,7 +69,8 @@ fn scene(name: &str) -> SceneDocument {
             width: SIZE,
             height: SIZE,
         },
-        light: LightDocument::Procedural { kind: Procedural::Sky, rotation: 0.0, scale: 1.0 },
+        light: Some(LightDocument::Procedural { kind: Procedural::Sky, rotation: 0.0, scale: 1.0 }),
+        lights: None,
         materials: BTreeMap::from([(name.to_owned(), material)]),
         objects: vec![ObjectDocument {
             mesh: MeshDocument::Sphere { radius: 1.0 },

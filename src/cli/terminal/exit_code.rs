@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use brdfit_measured::MerlError;
+use brdfit_measured::MeasurementError;
 
 /// The exit codes of the program, as `brdfit --help` lists them. The larger of two is the one that a batch reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -33,7 +33,7 @@ impl Outcome {
         self as u8
     }
 
-    /// The exit code that an error asks for: the first [`Problem`], [`MerlError`] or [`io::Error`] in its chain decides.
+    /// The exit code that an error asks for: the first [`Problem`], [`MeasurementError`] or [`io::Error`] in its chain decides.
     pub(crate) fn of(error: &anyhow::Error) -> Self {
         error.chain().find_map(Self::of_cause).unwrap_or(Self::Computation)
     }
@@ -42,7 +42,7 @@ impl Outcome {
         if let Some(problem) = cause.downcast_ref::<Problem>() {
             return Some(problem.outcome);
         }
-        if let Some(error) = cause.downcast_ref::<MerlError>() {
+        if let Some(error) = cause.downcast_ref::<MeasurementError>() {
             return Some(if error.is_invalid_input() { Self::InvalidInput } else { Self::InputOutput });
         }
         cause.downcast_ref::<io::Error>().map(|_| Self::InputOutput)
@@ -136,8 +136,12 @@ mod tests {
         let io = || io::Error::other("x");
         assert_eq!(Outcome::of(&anyhow::Error::from(io()).context("y")), Outcome::InputOutput);
         assert_eq!(Outcome::of(&Problem::usage("x").into()), Outcome::Usage);
-        assert_eq!(Outcome::of(&MerlError::Empty { path: "x".into() }.into()), Outcome::InvalidInput);
-        assert_eq!(Outcome::of(&MerlError::NotFound { path: "x".into() }.into()), Outcome::InputOutput);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.binary");
+        let opening = || brdfit_measured::open(&path, None).unwrap_err();
+        assert_eq!(Outcome::of(&opening().into()), Outcome::InputOutput);
+        std::fs::write(&path, "").unwrap();
+        assert_eq!(Outcome::of(&opening().into()), Outcome::InvalidInput);
         assert_eq!(Outcome::of(&anyhow::anyhow!("x")), Outcome::Computation);
     }
 

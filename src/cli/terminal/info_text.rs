@@ -2,13 +2,21 @@
 
 use std::fmt::Write;
 
-use brdfit_measured::{ChannelHealth, Health, Region};
+use brdfit_measured::{AlbedoHealth, ChannelHealth, ChannelRange, Health, Info, Region, Summary, TableShape};
 
 use crate::terminal::console::{Console, Tone};
 use crate::terminal::table::{Align, Table};
 
 /// The text for one file.
-pub(crate) fn render(health: &Health, console: &Console) -> String {
+pub(crate) fn render(info: &Info, console: &Console) -> String {
+    match info {
+        Info::Cells(health) => cells(health, console),
+        Info::Summary(summary) => summarised(summary, console),
+    }
+}
+
+/// A file of cells.
+fn cells(health: &Health, console: &Console) -> String {
     let mut text = String::new();
     let [h, d, p] = health.dimensions.shape();
     let position = health.sample_position;
@@ -22,8 +30,44 @@ pub(crate) fn render(health: &Health, console: &Console) -> String {
     let _ = writeln!(text, "sha256 {}", health.sha256);
     let _ = writeln!(text, "\n{}", regions(health, console));
     let _ = writeln!(text, "{}", channels(health, console));
-    let _ = write!(text, "{}", albedo(health));
+    let _ = write!(text, "{}", albedo(&health.albedo));
     text
+}
+
+/// A file of another kind.
+fn summarised(summary: &Summary, console: &Console) -> String {
+    let mut text = String::new();
+    let position = summary.sample_position;
+    let _ = writeln!(text, "{}", console.paint(Tone::Strong, &summary.name));
+    if !summary.description.is_empty() {
+        let _ = writeln!(text, "{:.80}", summary.description);
+    }
+    let _ = writeln!(text, "format {}, {} bytes, samples at the {position}", summary.format, summary.bytes);
+    let _ = writeln!(text, "sha256 {}", summary.sha256);
+    let angles: Vec<String> = summary.measured_theta_i_deg.iter().map(|degrees| format!("{degrees:.1}")).collect();
+    let _ = writeln!(text, "{} theta_i measured: {} deg", angles.len(), angles.join(", "));
+    let _ = writeln!(text, "non-reciprocity {:.4}: median |f(i,o) - f(o,i)| / mean\n", summary.non_reciprocity);
+    let _ = writeln!(text, "{}", shapes(summary));
+    let _ = writeln!(text, "{}", ranges(summary));
+    let _ = write!(text, "{}", albedo(&summary.albedo));
+    text
+}
+
+fn shapes(summary: &Summary) -> Table {
+    let mut table = Table::new([("table", Align::Left), ("shape", Align::Left)]);
+    for TableShape { name, shape } in &summary.tables {
+        let shape: Vec<String> = shape.iter().map(ToString::to_string).collect();
+        table.row([name.clone(), shape.join(" x ")]);
+    }
+    table
+}
+
+fn ranges(summary: &Summary) -> Table {
+    let mut table = Table::new([("channel", Align::Left), ("min (1/sr)", Align::Right), ("max (1/sr)", Align::Right)]);
+    for ChannelRange { name, min, max } in &summary.channels {
+        table.row([name.clone(), number(*min), number(*max)]);
+    }
+    table
 }
 
 fn regions(health: &Health, console: &Console) -> Table {
@@ -87,7 +131,7 @@ fn channels(health: &Health, console: &Console) -> Table {
     table
 }
 
-fn albedo(health: &Health) -> Table {
+fn albedo(albedo: &AlbedoHealth) -> Table {
     let mut table = Table::new([
         ("albedo at theta_i", Align::Left),
         ("R", Align::Right),
@@ -95,7 +139,6 @@ fn albedo(health: &Health) -> Table {
         ("B", Align::Right),
         ("of it measured", Align::Right),
     ]);
-    let albedo = &health.albedo;
     for (n, (degrees, covered)) in albedo.theta_i_deg.iter().zip(&albedo.covered).enumerate() {
         let [r, g, b] = albedo.values.each_ref().map(|values| format!("{:.4}", values[n]));
         table.row([format!("{degrees} deg"), r, g, b, format!("{:.1}%", 100.0 * covered)]);
@@ -130,7 +173,7 @@ mod tests {
         let dimensions = Dimensions::FULL_TURN;
         let file = MerlFile::from_fn("a.binary", dimensions, |_, h, _, _| if h == 3 { 12345.0 } else { -1.0 }).unwrap();
         let health = HealthCheck::new(dimensions, SamplePosition::Centre).examine(&file, &file.scan());
-        let text = render(&health, &Console::new(false, ColorChoice::Never));
+        let text = render(&Info::Cells(Box::new(health)), &Console::new(false, ColorChoice::Never));
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         assert!(text.starts_with("a.binary\n90 x 90 x 360 (theta_h x theta_d x phi_d), 69984012 bytes"), "{text}");
         for part in ["sha256 ", "below horizon", "12345", "albedo at theta_i", "80 deg"] {

@@ -61,14 +61,16 @@ fn reconstruction(
     let options = FitOptions::default();
     let file = MerlFile::open(path)?;
     let scan = file.scan();
-    scan.check(path)?;
+    if let Some(fault) = scan.fault() {
+        return Err(format!("{}: {fault}", path.display()).into());
+    }
     let slices = file.slices(position);
     let fit = fit_slices(&slices, ModelName::Sgd, &options)?;
     let ggx = fit_slices(&slices, ModelName::Ggx, &FitOptions::new(ModelName::Ggx))?;
-    let ggx_panel = error_panel(&file, scan.valid(), geometry, &ggx.parameters);
+    let ggx_panel = error_panel(&file.cells(), scan.valid(), geometry, &ggx.parameters);
     let (our_panel, their_panel) = (
-        error_panel(&file, scan.valid(), geometry, &fit.parameters),
-        error_panel(&file, scan.valid(), geometry, &theirs),
+        error_panel(&file.cells(), scan.valid(), geometry, &fit.parameters),
+        error_panel(&file.cells(), scan.valid(), geometry, &theirs),
     );
     let their_costs = step_costs(&slices, &options, &theirs)?;
     for c in 0..3 {

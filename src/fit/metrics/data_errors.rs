@@ -3,7 +3,7 @@
 use crate::document::{AllCells, ErrorPanel, LargestResidual, PanelTriple};
 use crate::metrics::grid_model::{Directions, on_grid};
 use brdfit_brdf::{CellRow, FourCells, GridModel, MaterialParameters};
-use brdfit_measured::{AlbedoPlan, CellMask, Dimensions, Grid, MerlFile, PANEL_ANGLE, Row, SamplePosition};
+use brdfit_measured::{AlbedoPlan, CellMask, Cells, Dimensions, Grid, PANEL_ANGLE, Row, SamplePosition};
 use rayon::prelude::*;
 use wide::f64x4;
 
@@ -69,25 +69,25 @@ struct Part {
     largest: Option<LargestResidual>,
 }
 
-/// The errors of a model of three channels against a file, over the cells of `valid` (the scan's mask).
+/// The errors of a model of three channels against a measurement, over the cells of `valid` (the survey's mask).
 ///
 /// Sums run in the file's order within each theta_h bin and over the bins in order: the same bytes for any number of threads.
 /// Against an independent NumPy implementation E, L and C agree within 1e-6
 /// relative (`brdfit compare`, docs/accuracy.md).
 ///
 /// # Panics
-/// If the file's shape is not that of the geometry.
+/// If the shape of the grid is not that of the geometry.
 pub fn error_panel(
-    file: &MerlFile,
+    cells: &Cells<'_>,
     valid: &CellMask,
     geometry: &PanelGeometry,
     parameters: &MaterialParameters,
 ) -> ErrorPanel {
-    assert_eq!(file.dimensions(), geometry.grid.dimensions(), "the geometry belongs to another shape");
+    assert_eq!(cells.dimensions(), geometry.grid.dimensions(), "the geometry belongs to another shape");
     let models = on_grid(parameters, &geometry.grid);
     let parts: Vec<([Part; 3], [usize; 2])> = (0..Dimensions::THETA_H)
         .into_par_iter()
-        .map(|theta_h| Bin { file, valid, geometry, models: &models, theta_h }.errors())
+        .map(|theta_h| Bin { cells, valid, geometry, models: &models, theta_h }.errors())
         .collect();
     let mut total = [Part::default(); 3];
     let mut samples = [0; 2];
@@ -103,7 +103,7 @@ pub fn error_panel(
         }
         samples = [samples[0] + counts[0], samples[1] + counts[1]];
     }
-    let (albedo, albedo_difference) = albedos(file, valid, geometry, &models);
+    let (albedo, albedo_difference) = albedos(cells, valid, geometry, &models);
     let panel = [0, 1, 2].map(|c: usize| total[c].panel.errors(albedo[c]));
     let all = [0, 1, 2].map(|c: usize| total[c].all.errors(albedo[c]));
     let over_channels = |n: usize| (panel.iter().map(|errors| errors[n] * errors[n]).sum::<f64>() / 3.0).sqrt();
@@ -130,7 +130,7 @@ pub fn error_panel(
 
 /// One theta_h bin of a file against three models.
 struct Bin<'a> {
-    file: &'a MerlFile,
+    cells: &'a Cells<'a>,
     valid: &'a CellMask,
     geometry: &'a PanelGeometry,
     models: &'a [Box<dyn GridModel>; 3],
@@ -211,7 +211,7 @@ impl Bin<'_> {
         for (block, four) in bins.chunks(4).enumerate() {
             let mut f = [0.0; 4];
             for (value, &phi_d) in f.iter_mut().zip(four) {
-                *value = self.file.value(channel, row.first + phi_d);
+                *value = self.cells.value(channel, row.first + phi_d);
             }
             note_largest(part, row, four, &f, &values[block], &inside[block]);
             let terms = terms(f64x4::from(f), f64x4::from(values[block]), cells[block].cosines.map(f64x4::from));
@@ -276,7 +276,7 @@ fn add_lanes(sum: f64x4) -> f64 {
 
 /// The largest measured albedo per channel and the relative differences of the model's at the compared angles.
 fn albedos(
-    file: &MerlFile,
+    cells: &Cells<'_>,
     valid: &CellMask,
     geometry: &PanelGeometry,
     models: &[Box<dyn GridModel>; 3],
@@ -289,7 +289,7 @@ fn albedos(
             let mut sums = [0.0; 3];
             for (cell, weight) in albedo.cells(angle).filter(|&(cell, _)| keep(cell)) {
                 for c in 0..3 {
-                    sums[c] += weight * file.value(c, cell);
+                    sums[c] += weight * cells.value(c, cell);
                 }
             }
             sums
@@ -324,6 +324,7 @@ mod tests {
     use super::*;
     use crate::metrics::grid_model::synthesise;
     use brdfit_brdf::SgdParameters;
+    use brdfit_measured::MerlFile;
 
     const GLOSSY: SgdParameters = SgdParameters { rho_d: 0.1, rho_s: 0.4, alpha: 0.02, p: 0.7, f0: 0.3, f1: 0.1 };
 
@@ -347,7 +348,7 @@ mod tests {
     fn the_model_has_no_distance_from_itself() {
         let file = file_of([GLOSSY; 3], SamplePosition::Edge);
         let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Edge);
-        let panel = error_panel(&file, file.scan().valid(), &geometry, &[GLOSSY; 3].try_into().unwrap());
+        let panel = error_panel(&file.cells(), file.scan().valid(), &geometry, &[GLOSSY; 3].try_into().unwrap());
         for errors in [panel.e, panel.l, panel.c, panel.all_cells.errors.e] {
             assert!(errors.iter().all(|&error| error < 1e-9), "{errors:?}");
         }
@@ -359,7 +360,7 @@ mod tests {
         let file = file_of([GLOSSY; 3], SamplePosition::Edge);
         let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Edge);
         let negative = SgdParameters { rho_s: -40.0, ..GLOSSY };
-        let panel = error_panel(&file, file.scan().valid(), &geometry, &[negative; 3].try_into().unwrap());
+        let panel = error_panel(&file.cells(), file.scan().valid(), &geometry, &[negative; 3].try_into().unwrap());
         assert!([panel.e, panel.l, panel.c].as_flattened().iter().all(|error| error.is_finite() && *error > 0.0));
     }
 
@@ -370,7 +371,7 @@ mod tests {
         let file = file_of([diffuse(0.2); 3], SamplePosition::Centre);
         let geometry = PanelGeometry::new(file.dimensions(), SamplePosition::Centre);
         let models = [diffuse(0.2), diffuse(0.3), diffuse(0.1)].try_into().unwrap();
-        let panel = error_panel(&file, file.scan().valid(), &geometry, &models);
+        let panel = error_panel(&file.cells(), file.scan().valid(), &geometry, &models);
         let expected = 0.1 / std::f64::consts::PI / panel.albedo[1];
         assert!(
             panel.e[0] < 1e-12

@@ -1,13 +1,14 @@
 //! A measured material as a BRDF.
 
+pub(crate) mod angle;
 mod lobes;
-mod sampling;
+pub(crate) mod sampling;
 mod shading;
 mod table;
 
 use brdfit_brdf::{BatchBrdf, Brdf, Direction, Directions, FixedOutgoing};
 
-use crate::error::MerlError;
+use crate::error::{MeasurementError, ValueFault};
 use crate::grid::sample_position::SamplePosition;
 use crate::merl::file::MerlFile;
 use lobes::MeasuredLobes;
@@ -38,7 +39,7 @@ use table::Table;
 /// let grey = MerlFile::from_fn("grey", Dimensions::HALF_TURN, |_, _, _, _| 0.25)?;
 /// let grey = MeasuredBrdf::new(&grey, SamplePosition::Edge)?;
 /// assert_eq!(grey.value(&direction(0.3, 0.0), &direction(1.5, 2.0)), [0.25; 3]);
-/// # Ok::<(), brdfit_measured::MerlError>(())
+/// # Ok::<(), brdfit_measured::MeasurementError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct MeasuredBrdf {
@@ -50,11 +51,11 @@ impl MeasuredBrdf {
     /// Reads a whole file, with its samples at `position`. Values that are not finite count as missing.
     ///
     /// # Errors
-    /// [`MerlError::NoValidCells`] if no cell above the horizon holds a measurement in all three planes.
-    pub fn new(file: &MerlFile, position: SamplePosition) -> Result<Self, MerlError> {
+    /// [`ValueFault::NoValidCells`] if no cell above the horizon holds a measurement in all three planes.
+    pub fn new(file: &MerlFile, position: SamplePosition) -> Result<Self, MeasurementError> {
         let table =
-            Table::new(file, position).ok_or_else(|| MerlError::NoValidCells { path: file.path().to_path_buf() })?;
-        let sampling = Sampling::new(|i, o| table.value(i, o).iter().sum::<f64>() / 3.0);
+            Table::new(file, position).ok_or_else(|| MeasurementError::new(file.path(), ValueFault::NoValidCells))?;
+        let sampling = Sampling::new(|i, o| table.mean(i, o));
         Ok(Self { table, sampling })
     }
 }
@@ -77,6 +78,7 @@ impl Brdf for MeasuredBrdf {
     }
 
     fn batch(&self) -> Box<dyn BatchBrdf + '_> {
-        Box::new(MeasuredShading::new(&self.table, &self.sampling))
+        let sampler = self.sampling.half_vectors(|i, o| self.table.mean(i, o));
+        Box::new(MeasuredShading { table: &self.table, sampler })
     }
 }

@@ -1,18 +1,25 @@
 //! Directions drawn for a measured material.
 
-use brdfit_brdf::{Direction, Ggx, GgxMixture, direction, reflect};
+use brdfit_brdf::{Direction, Ggx, GgxMixture, HalfDifference, HalfVectorSampler, HalfVectorTable, direction, reflect};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// Half vectors of a GGX distribution as wide as the measured one, mixed with a cosine lobe by their albedos (one-sample
 /// balance heuristic): the density is above zero wherever `f` is.
 #[derive(Clone, Debug)]
-pub(super) struct Sampling {
+pub(crate) struct Sampling {
     mixture: GgxMixture,
     /// Probability of the proxy; the rest goes to the cosine lobe.
     specular: f64,
     /// What is diffuse in the values, 1/sr.
     floor: f64,
 }
+
+/// `tan^2 theta_h` of the first bins of theta_h, and of 89 degrees: beyond, the cosine lobe draws.
+const RANGE: [f64; 2] = [1e-10, 3283.0];
+/// Angles theta_d, radians, over which the distribution of half vectors is averaged.
+const THETA_D: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+/// At least this share of a value counts as part of the lobe.
+const LEAST: f64 = 0.05;
 
 /// Rows of the slice over theta_h, and azimuths of the half vector per half turn, in the estimates.
 const ROWS: usize = 90;
@@ -23,7 +30,7 @@ const SLICE_END: f64 = 75.0 / 90.0 * FRAC_PI_2;
 
 impl Sampling {
     /// Estimates width and shares from the mean over channels of `f(i, o)`.
-    pub(super) fn new(f: impl Fn(&Direction, &Direction) -> f64) -> Self {
+    pub(crate) fn new(f: impl Fn(&Direction, &Direction) -> f64) -> Self {
         // retro-reflection, where D cos^2 theta_h is the specular part but for masking
         let middle = |row: usize| ((row as f64 + 0.5) / ROWS as f64).powi(2) * FRAC_PI_2;
         let slice: Vec<(f64, f64)> = (0..ROWS)
@@ -47,23 +54,31 @@ impl Sampling {
         Self { mixture: GgxMixture::new([proxy; 3], [specular, 0.0, 0.0]), specular, floor }
     }
 
-    /// Probability of half vectors; the rest goes to the cosine lobe.
-    pub(super) fn specular(&self) -> f64 {
-        self.specular
-    }
-
-    /// The diffuse part of the values in 1/sr.
-    pub(super) fn floor(&self) -> f64 {
-        self.floor
+    /// For renderers: half vectors of the measured values themselves, mixed with the cosine lobe in the same shares. `f` as in
+    /// [`Sampling::new`].
+    pub(crate) fn half_vectors(&self, f: impl Fn(&Direction, &Direction) -> f64) -> HalfVectorSampler {
+        // i and o equally high: f cos theta_i cos theta_o cos theta_h of what lies above the floor, per unit of tan^2 theta_h
+        let density = |tan_square: f64| {
+            let lobe = |theta_d: f64| {
+                let theta_h = libm::atan(tan_square.sqrt());
+                let (i, o) = HalfDifference { theta_h, theta_d, phi_d: FRAC_PI_2 }.to_directions();
+                let (f, cos_d) = (f(&i, &o), libm::cos(theta_d));
+                (f - self.floor).max(LEAST * f) * cos_d * cos_d
+            };
+            let secant_square = 1.0 + tan_square;
+            THETA_D.map(lobe).iter().sum::<f64>() / (secant_square * secant_square * secant_square)
+        };
+        let normals = (self.specular > 0.0).then(|| HalfVectorTable::new(density, RANGE[0], RANGE[1])).flatten();
+        HalfVectorSampler::new(normals, self.specular)
     }
 
     /// As [`brdfit_brdf::Brdf::sample`].
-    pub(super) fn sample(&self, i: &Direction, u: [f64; 3]) -> Option<Direction> {
+    pub(crate) fn sample(&self, i: &Direction, u: [f64; 3]) -> Option<Direction> {
         self.mixture.sample(i, u)
     }
 
     /// As [`brdfit_brdf::Brdf::pdf`].
-    pub(super) fn pdf(&self, i: &Direction, o: &Direction) -> f64 {
+    pub(crate) fn pdf(&self, i: &Direction, o: &Direction) -> f64 {
         self.mixture.pdf(i, o)
     }
 }

@@ -83,6 +83,11 @@ impl Table {
         self.interpolated(self.coordinates(i, o))
     }
 
+    /// The mean of the channels.
+    pub(super) fn mean(&self, i: &Direction, o: &Direction) -> f64 {
+        self.value(i, o).iter().sum::<f64>() / 3.0
+    }
+
     /// Slab, row and column of the half/difference angles of two unit vectors.
     pub(super) fn coordinates(&self, i: &Direction, o: &Direction) -> [f64; 3] {
         let (h, d) = (i + o, i - o);

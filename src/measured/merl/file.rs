@@ -1,104 +1,70 @@
 //! A MERL file in memory: mapped from disk, or made by a program.
 
-use std::fs::File;
-use std::ops::Deref;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use memmap2::Mmap;
-
-use crate::error::MerlError;
+use crate::cells::Cells;
+use crate::error::{MeasurementError, Unreadable};
 use crate::grid::dimensions::{CHANNEL_SCALE, CHANNELS, Dimensions};
+use crate::mapped_file::MappedFile;
 use crate::merl::header::{self, HEADER_BYTES};
 use crate::merl::write::write_merl;
 
 /// A MERL file, read-only. What is not looked at is not read from the disk.
 #[derive(Debug)]
 pub struct MerlFile {
-    path: PathBuf,
+    file: MappedFile,
     dimensions: Dimensions,
-    bytes: Bytes,
-}
-
-/// The whole file, header included.
-#[derive(Debug)]
-enum Bytes {
-    Mapped(Mmap),
-    Owned(Vec<u8>),
-}
-
-impl Deref for Bytes {
-    type Target = [u8];
-
-    fn deref(&self) -> &[u8] {
-        match self {
-            Self::Mapped(map) => map,
-            Self::Owned(bytes) => bytes,
-        }
-    }
 }
 
 impl MerlFile {
     /// Maps a file into memory and checks its container: the dimensions and the exact size. The values are not looked
-    /// at; [`MerlFile::scan`] does that.
-    ///
-    /// The file must stay as it is while it is open. If another process cuts it, reading the missing part ends this
-    /// process (SIGBUS on Unix); if another process writes to it, old and new values may be seen mixed.
+    /// at; [`MerlFile::scan`] does that. The file must stay as it is while it is open, see [`crate::open`], which opens files
+    /// of all formats.
     ///
     /// # Errors
-    /// Input that cannot be read, or a container that is not that of a MERL file: every variant of [`MerlError`] but
-    /// the three about values.
-    pub fn open(path: &Path) -> Result<Self, MerlError> {
-        let failed = |source| MerlError::from_io(path, source);
-        // Asked before opening, because opening a pipe would wait for its writer.
-        let kind = std::fs::metadata(path).map_err(failed)?.file_type();
-        if kind.is_dir() {
-            return Err(MerlError::IsDirectory { path: path.to_path_buf() });
-        }
-        if !kind.is_file() {
-            return Err(MerlError::NotARegularFile { path: path.to_path_buf() });
-        }
-        let file = File::open(path).map_err(failed)?;
-        let size = file.metadata().map_err(failed)?.len();
-        if size == 0 {
-            return Err(MerlError::Empty { path: path.to_path_buf() });
-        }
-        let map = map(&file).map_err(failed)?;
-        let dimensions = header::check(path, &map, map.len() as u64)?;
-        Ok(Self { path: path.to_path_buf(), dimensions, bytes: Bytes::Mapped(map) })
+    /// Input that cannot be read, or a container that is not that of a MERL file.
+    pub fn open(path: &Path) -> Result<Self, MeasurementError> {
+        Self::of_mapped(MappedFile::open(path)?)
     }
 
     /// Takes the bytes of a whole file, with the checks of [`MerlFile::open`]; `path` serves messages only.
     ///
     /// # Errors
     /// As [`MerlFile::open`] where the container is concerned.
-    pub fn from_bytes(path: impl Into<PathBuf>, bytes: Vec<u8>) -> Result<Self, MerlError> {
-        let path = path.into();
-        let dimensions = header::check(&path, &bytes, bytes.len() as u64)?;
-        Ok(Self { path, dimensions, bytes: Bytes::Owned(bytes) })
+    pub fn from_bytes(path: impl Into<PathBuf>, bytes: Vec<u8>) -> Result<Self, MeasurementError> {
+        Self::of_mapped(MappedFile::from_bytes(path, bytes))
+    }
+
+    pub(crate) fn of_mapped(file: MappedFile) -> Result<Self, MeasurementError> {
+        match header::check(&file, file.len() as u64) {
+            Ok(dimensions) => Ok(Self { file, dimensions }),
+            Err(fault) => Err(MeasurementError::new(file.path(), fault)),
+        }
     }
 
     /// Makes a file in memory from `value(channel, theta_h bin, theta_d bin, phi_d bin)`, in 1/sr, negative where there
     /// is no measurement; `path` serves messages only.
     ///
     /// # Errors
-    /// [`MerlError::Io`] if a value is not finite.
+    /// [`Unreadable::Io`] if a value is not finite.
     pub fn from_fn(
         path: impl Into<PathBuf>,
         dimensions: Dimensions,
         value: impl FnMut(usize, usize, usize, usize) -> f64,
-    ) -> Result<Self, MerlError> {
+    ) -> Result<Self, MeasurementError> {
         let path = path.into();
         let mut bytes = Vec::with_capacity(usize::try_from(dimensions.file_bytes()).unwrap_or(0));
         match write_merl(&mut bytes, dimensions, value) {
-            Ok(()) => Ok(Self { path, dimensions, bytes: Bytes::Owned(bytes) }),
-            Err(source) => Err(MerlError::Io { path, source }),
+            Ok(()) => Ok(Self { file: MappedFile::from_bytes(path, bytes), dimensions }),
+            Err(source) => Err(MeasurementError::new(&path, Unreadable::Io(source))),
         }
     }
 
     /// The path as it was given.
     #[must_use]
     pub fn path(&self) -> &Path {
-        &self.path
+        self.file.path()
     }
 
     /// The grid of the file.
@@ -110,16 +76,24 @@ impl MerlFile {
     /// The whole file, header included.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
-        &self.bytes
+        &self.file
     }
 
-    /// Tells the system that the whole file is about to be read: one call instead of a page fault per 64 kB. A hint, so
-    /// that it does not matter where it fails (Linux before 5.14) or does not exist.
+    /// As [`MappedFile::expect_all`].
     pub(crate) fn expect_all(&self) {
-        #[cfg(target_os = "linux")]
-        if let Bytes::Mapped(map) = &self.bytes {
-            let _ = map.advise(memmap2::Advice::PopulateRead);
-        }
+        self.file.expect_all();
+    }
+
+    /// The three planes, one after the other.
+    #[inline]
+    pub(crate) fn planes(&self) -> &[[u8; 8]] {
+        self.file[HEADER_BYTES..].as_chunks().0
+    }
+
+    /// The values of all cells.
+    #[must_use]
+    pub fn cells(&self) -> Cells<'_> {
+        Cells::new(self.dimensions, Cow::Borrowed(self.planes()), CHANNEL_SCALE)
     }
 
     /// One colour plane as it is stored: one little-endian double per cell.
@@ -131,7 +105,7 @@ impl MerlFile {
     pub fn plane(&self, channel: usize) -> &[[u8; 8]] {
         assert!(channel < CHANNELS, "channel {channel} of {CHANNELS}");
         let cells = self.dimensions.cells();
-        &self.bytes[HEADER_BYTES..].as_chunks().0[channel * cells..][..cells]
+        &self.planes()[channel * cells..][..cells]
     }
 
     /// A number as it is stored.
@@ -194,21 +168,6 @@ impl MerlFile {
 #[inline]
 pub(crate) fn is_measurement(raw: f64) -> bool {
     (0.0..f64::INFINITY).contains(&raw)
-}
-
-/// Maps a whole regular file for reading.
-fn map(file: &File) -> std::io::Result<Mmap> {
-    // SAFETY: the map is read-only and lives as long as the slice that is borrowed from it, and its length is the file's
-    // at the time of the call. Every bit pattern is valid for the bytes and the doubles that are read. What remains is
-    // what no check in this process can exclude: another process may write to the file (the bytes seen then change under
-    // a shared reference, which the language does not allow for) or cut it (reading past the new end raises SIGBUS). All
-    // sizes come from the length of the map and nothing that was read once is relied on to read the same again, so a
-    // concurrent write leads to wrong values, not to an access outside the map. The documentation of `MerlFile::open`
-    // asks for files that stay as they are.
-    #[allow(unsafe_code)]
-    unsafe {
-        Mmap::map(file)
-    }
 }
 
 #[cfg(test)]

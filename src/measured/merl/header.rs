@@ -1,8 +1,6 @@
 //! The container: a header of three little-endian integers and three planes of doubles, and nothing else.
 
-use std::path::Path;
-
-use crate::error::MerlError;
+use crate::error::ContainerFault;
 use crate::grid::dimensions::{CHANNELS, Dimensions};
 
 /// Size of the header in bytes: three `i32`. The doubles after it are therefore never aligned.
@@ -12,13 +10,12 @@ pub(crate) const HEADER_BYTES: usize = 12;
 const PLAUSIBLE: i32 = 4096;
 
 /// First bytes of files that people try instead, what they are, and what to do.
-const OTHER_FORMATS: [(&[u8], &str, &str); 7] = [
+const OTHER_FORMATS: [(&[u8], &str, &str); 6] = [
     (&[0xfd, b'7', b'z', b'X', b'Z', 0], "an xz archive", "unpack it first (xz -d)"),
     (&[0x1f, 0x8b], "a gzip archive", "unpack it first (gzip -d)"),
     (b"BZh", "a bzip2 archive", "unpack it first (bzip2 -d)"),
     (&[0x28, 0xb5, 0x2f, 0xfd], "a zstd archive", "unpack it first (zstd -d)"),
     (b"PK\x03\x04", "a zip archive", "unpack it first (unzip)"),
-    (b"tensor_file", "an RGL tensor file (.bsdf)", "resample it to the MERL grid first"),
     (b"version https://git-lfs", "a pointer to a file kept in git-lfs", "fetch the file itself (git lfs pull)"),
 ];
 
@@ -39,22 +36,25 @@ impl Dimensions {
     }
 }
 
+/// Whether a file begins with the header of a MERL file.
+pub(crate) fn recognises(start: &[u8]) -> bool {
+    [Dimensions::HALF_TURN, Dimensions::FULL_TURN].iter().any(|dimensions| start.starts_with(&dimensions.header()))
+}
+
 /// Checks the container: `start` holds the first bytes of the file (all, or at least the first 32), `size` is the
 /// file's size in bytes.
 ///
 /// # Errors
-/// [`MerlError::Empty`], [`MerlError::OtherFormat`], [`MerlError::ImplausibleDimensions`],
-/// [`MerlError::UnsupportedDimensions`], [`MerlError::Truncated`] or [`MerlError::TrailingBytes`].
-pub(crate) fn check(path: &Path, start: &[u8], size: u64) -> Result<Dimensions, MerlError> {
-    let owned = || path.to_path_buf();
+/// [`ContainerFault`], all but [`ContainerFault::Header`].
+pub(crate) fn check(start: &[u8], size: u64) -> Result<Dimensions, ContainerFault> {
     if size == 0 {
-        return Err(MerlError::Empty { path: owned() });
+        return Err(ContainerFault::Empty);
     }
     if let Some(&(_, format, advice)) = OTHER_FORMATS.iter().find(|(magic, ..)| start.starts_with(magic)) {
-        return Err(MerlError::OtherFormat { path: owned(), format, advice });
+        return Err(ContainerFault::OtherFormat { format, wanted: "a MERL", advice });
     }
     let Some(header) = start.first_chunk::<HEADER_BYTES>() else {
-        return Err(MerlError::Truncated { path: owned(), expected: HEADER_BYTES as u64, got: size, dimensions: None });
+        return Err(ContainerFault::Truncated { expected: HEADER_BYTES as u64, got: size, dimensions: None });
     };
     let integers = |read: fn([u8; 4]) -> i32| {
         let [a, b, c] = [0, 4, 8].map(|at| [header[at], header[at + 1], header[at + 2], header[at + 3]]);
@@ -63,17 +63,19 @@ pub(crate) fn check(path: &Path, start: &[u8], size: u64) -> Result<Dimensions, 
     let raw = integers(i32::from_le_bytes);
     if !is_plausible(raw) {
         let swapped = Some(integers(i32::from_be_bytes)).filter(|&d| is_plausible(d));
-        return Err(MerlError::ImplausibleDimensions { path: owned(), dimensions: raw, swapped });
+        return Err(ContainerFault::ImplausibleDimensions { dimensions: raw, swapped });
     }
     let Some(dimensions) = Dimensions::from_shape(raw.map(|n| n.unsigned_abs() as usize)) else {
-        return Err(MerlError::UnsupportedDimensions { path: owned(), dimensions: raw });
+        return Err(ContainerFault::UnsupportedDimensions { dimensions: raw });
     };
     let expected = dimensions.file_bytes();
     match size.cmp(&expected) {
         std::cmp::Ordering::Less => {
-            Err(MerlError::Truncated { path: owned(), expected, got: size, dimensions: Some(dimensions) })
+            Err(ContainerFault::Truncated { expected, got: size, dimensions: Some(dimensions) })
         }
-        std::cmp::Ordering::Greater => Err(MerlError::TrailingBytes { path: owned(), expected, got: size, dimensions }),
+        std::cmp::Ordering::Greater => {
+            Err(ContainerFault::TrailingBytes { expected, got: size, dimensions: Some(dimensions) })
+        }
         std::cmp::Ordering::Equal => Ok(dimensions),
     }
 }
@@ -99,7 +101,7 @@ mod tests {
     #[test]
     fn exact_sizes_are_accepted_for_both_grids() {
         for d in [Dimensions::HALF_TURN, Dimensions::FULL_TURN] {
-            assert_eq!(check(Path::new("x"), &d.header(), d.file_bytes()).unwrap(), d);
+            assert_eq!(check(&d.header(), d.file_bytes()).unwrap(), d);
         }
     }
 
@@ -107,7 +109,7 @@ mod tests {
         /// Whatever the first bytes and the size are, the answer is a grid of exactly that size or an error.
         #[test]
         fn any_bytes_are_answered(start in prop::collection::vec(any::<u8>(), 0..40), size in any::<u64>()) {
-            if let Ok(d) = check(Path::new("x"), &start, size) {
+            if let Ok(d) = check(&start, size) {
                 prop_assert_eq!(d.file_bytes(), size);
             }
         }
@@ -119,7 +121,7 @@ mod tests {
             let mut start = d.header();
             let unchanged = start[at] == to;
             start[at] = to;
-            prop_assert_eq!(check(Path::new("x"), &start, d.file_bytes()).is_ok(), unchanged);
+            prop_assert_eq!(check(&start, d.file_bytes()).is_ok(), unchanged);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The state of a measured file, for people who have to decide whether to trust it.
 
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -24,6 +25,18 @@ const PEAK_DEGREES: usize = 60;
 pub struct HealthCheck {
     grid: Grid,
     albedo: AlbedoPlan,
+}
+
+/// The checks of all grids and positions, each made when it is first needed and then shared by all files of a run.
+#[derive(Debug, Default)]
+pub struct HealthChecks([OnceLock<HealthCheck>; 4]);
+
+impl HealthChecks {
+    /// The check for files of this shape.
+    pub(crate) fn of(&self, dimensions: Dimensions, position: SamplePosition) -> &HealthCheck {
+        let index = 2 * usize::from(dimensions.is_folded()) + usize::from(position == SamplePosition::Edge);
+        self.0[index].get_or_init(|| HealthCheck::new(dimensions, position))
+    }
 }
 
 /// The state of a measured file.
@@ -149,13 +162,23 @@ impl HealthCheck {
             regions: self.regions(file, scan),
             zero_peaks: channels.iter().filter(|channel: &&ChannelHealth| channel.zero_peak).count(),
             channels,
-            albedo: AlbedoHealth {
-                theta_i_deg: ALBEDO_DEGREES.to_vec(),
-                covered: self.albedo.covered(|cell| used.contains(cell)),
-                values: std::array::from_fn(|channel| {
-                    self.albedo.integrate(|cell| used.contains(cell).then(|| file.value(channel, cell)))
-                }),
-            },
+            albedo: self.albedo(|cell| used.contains(cell), |channel, cell| file.value(channel, cell)),
+        }
+    }
+
+    /// The geometry.
+    pub(crate) fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The directional albedo of `value(channel, cell)`, in 1/sr, over the cells that are `used`.
+    pub(crate) fn albedo(&self, used: impl Fn(usize) -> bool, value: impl Fn(usize, usize) -> f64) -> AlbedoHealth {
+        AlbedoHealth {
+            theta_i_deg: ALBEDO_DEGREES.to_vec(),
+            covered: self.albedo.covered(&used),
+            values: std::array::from_fn(|channel| {
+                self.albedo.integrate(|cell| used(cell).then(|| value(channel, cell)))
+            }),
         }
     }
 

@@ -1,13 +1,12 @@
 //! One pass over all bytes of a file: its hash, its validity mask and what is wrong with its values.
 
-use std::path::Path;
-
 use sha2::{Digest, Sha256};
 use wide::f64x4;
 
-use crate::error::{MerlError, Place};
+use crate::error::{Place, ValueFault};
 use crate::grid::dimensions::{CHANNEL_SCALE, CHANNELS, Dimensions};
 use crate::grid::mask::CellMask;
+use crate::hash::hexadecimal;
 use crate::merl::file::MerlFile;
 
 /// Bytes per step of the hash, a multiple of its 64-byte blocks: those of a word of cells. The hash is one long chain of
@@ -210,9 +209,7 @@ impl Scan {
     /// SHA-256 of the whole file in lowercase hexadecimal.
     #[must_use]
     pub fn sha256_hex(&self) -> String {
-        const DIGITS: &[u8; 16] = b"0123456789abcdef";
-        let digit = |nibble: u8| char::from(DIGITS[usize::from(nibble)]);
-        self.sha256.iter().flat_map(|&byte| [digit(byte >> 4), digit(byte & 15)]).collect()
+        hexadecimal(&self.sha256)
     }
 
     /// The cells that are finite and not negative in all three planes.
@@ -239,24 +236,22 @@ impl Scan {
         &self.channels
     }
 
-    /// Refuses values that no MERL file holds: not-a-number and infinite ones, and a file without any valid cell.
-    /// Negative values are the format's way to say that there is no measurement, and are fine.
-    ///
-    /// # Errors
-    /// [`MerlError::NotANumber`], [`MerlError::Infinite`] or [`MerlError::NoValidCells`], in this order; `path` is named
-    /// in the message.
-    pub fn check(&self, path: &Path) -> Result<(), MerlError> {
-        let path = || path.to_path_buf();
+    /// What no MERL file holds: values that are not numbers, else infinite ones, else no valid cell at all. Negative values are
+    /// the format's way to say that there is no measurement, and are fine.
+    #[must_use]
+    pub fn fault(&self) -> Option<ValueFault> {
         if let Some((count, first)) = self.total(|channel| channel.nan) {
-            return Err(MerlError::NotANumber { path: path(), count, first });
+            return Some(ValueFault::NotANumber { count, first });
         }
         if let Some((count, first)) = self.total(|channel| channel.infinite) {
-            return Err(MerlError::Infinite { path: path(), count, first });
+            return Some(ValueFault::Infinite { count, first });
         }
-        if self.valid_cells() == 0 {
-            return Err(MerlError::NoValidCells { path: path() });
-        }
-        Ok(())
+        (self.valid_cells() == 0).then_some(ValueFault::NoValidCells)
+    }
+
+    /// As [`Self::valid`].
+    pub(crate) fn into_valid(self) -> CellMask {
+        self.valid
     }
 
     /// How often something occurs in all planes, and where first; `None` if it does not.
@@ -348,10 +343,8 @@ mod tests {
         assert_eq!(s.valid_cells(), d.cells() - 5);
         assert_eq!(s.channels()[0].range, Some((-0.0, 1e6 * CHANNEL_SCALE[0])));
         assert_eq!(s.channels()[2].range, Some((5e-324 * CHANNEL_SCALE[2], 1000.0 * CHANNEL_SCALE[2])));
-        match s.check(Path::new("x")) {
-            Err(MerlError::NotANumber { count: 2, first: Place { channel: 2, bins: (0, 0, 64) }, .. }) => {}
-            other => panic!("{other:?}"),
-        }
+        let first = Place { channel: 2, bins: (0, 0, 64) };
+        assert_eq!(s.fault(), Some(ValueFault::NotANumber { count: 2, first }));
     }
 
     #[test]
@@ -372,6 +365,6 @@ mod tests {
         let file = MerlFile::from_fn("x", Dimensions::HALF_TURN, |_, _, _, _| -1.0).unwrap();
         let s = file.scan();
         assert_eq!(s.channels()[1].range, None);
-        assert!(matches!(s.check(Path::new("x")), Err(MerlError::NoValidCells { .. })));
+        assert_eq!(s.fault(), Some(ValueFault::NoValidCells));
     }
 }

@@ -5,7 +5,9 @@ mod data;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use brdfit_brdf::{Brdf, Direction, Directions, HalfDifference, direction};
-use brdfit_measured::{AlbedoPlan, Dimensions, Grid, MeasuredBrdf, MerlError, MerlFile, SamplePosition, cosines};
+use brdfit_measured::{
+    AlbedoPlan, Dimensions, Grid, MeasuredBrdf, MerlFile, Reason, SamplePosition, ValueFault, cosines,
+};
 
 const POSITIONS: [SamplePosition; 2] = [SamplePosition::Edge, SamplePosition::Centre];
 const GRIDS: [Dimensions; 2] = [Dimensions::HALF_TURN, Dimensions::FULL_TURN];
@@ -173,7 +175,7 @@ fn reciprocity_and_mirror_symmetry_are_exact() {
 fn files_without_a_usable_cell_are_refused() {
     let file = MerlFile::from_fn("nothing.binary", Dimensions::HALF_TURN, |_, _, _, _| -1.0).unwrap();
     let error = MeasuredBrdf::new(&file, SamplePosition::Edge).unwrap_err();
-    assert!(matches!(error, MerlError::NoValidCells { .. }));
+    assert!(matches!(error.reason(), Reason::Values(ValueFault::NoValidCells)));
     assert!(error.to_string().starts_with("nothing.binary: "), "{error}");
 }
 

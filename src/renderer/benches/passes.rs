@@ -7,8 +7,8 @@ use std::path::Path;
 use brdfit_bandwidth::{Atlas, AtlasChannels, Layout, LobeGrid, LobeOptions, compute_atlas};
 use brdfit_brdf::{SgdMaterial, SgdParameters};
 use brdfit_renderer::{
-    Budget, Differentials, GBuffer, Light, LightBandwidth, Material, Mode, Procedural, RenderOptions, Renderer, Scene,
-    SceneDocument, View,
+    Backend, Bandwidth, Budget, Cpu, FrameInput, GBuffer, Light, LightSet, Material, Mode, Procedural, RenderOptions,
+    Scene, SceneDocument,
 };
 use criterion::{Criterion, criterion_group, criterion_main};
 
@@ -39,33 +39,24 @@ impl Prepared {
         let brdf = gold();
         let options = LobeOptions::default();
         let grid = LobeGrid::default();
-        let (atlas, _) =
-            compute_atlas(&brdf, true, Layout::Isotropic, AtlasChannels::Max, &grid, &options).expect("finite");
+        let (atlas, _) = compute_atlas(&brdf, Layout::Isotropic, AtlasChannels::Max, &grid, &options).expect("finite");
         Self { gbuffer: scene.gbuffer(), scene, light: Procedural::Sky.light(Light::SIZE), brdf, atlas }
+    }
+
+    fn input(&self) -> FrameInput<'_> {
+        let materials = vec![Material::new(&self.brdf, Bandwidth::Atlas(&self.atlas))];
+        FrameInput::new(self.gbuffer.clone(), materials, LightSet::from(self.light.clone())).expect("one material")
     }
 }
 
 fn preparation(c: &mut Criterion) {
     let prepared = Prepared::new();
-    let mut differentials = Differentials::default();
     c.bench_function("gbuffer", |b| b.iter(|| black_box(prepared.scene.gbuffer())));
-    c.bench_function("differentials", |b| b.iter(|| differentials.compute(black_box(&prepared.gbuffer))));
-    c.bench_function("light bandwidth", |b| b.iter(|| LightBandwidth::new(black_box(&prepared.light))));
+    c.bench_function("differentials and light bandwidth", |b| b.iter(|| prepared.input()));
 }
 
 fn frames(c: &mut Criterion) {
     let prepared = Prepared::new();
-    let mut differentials = Differentials::default();
-    differentials.compute(&prepared.gbuffer);
-    let light_bandwidth = LightBandwidth::new(&prepared.light);
-    let materials = [Material::new(&prepared.brdf, &prepared.atlas)];
-    let view = View {
-        gbuffer: &prepared.gbuffer,
-        differentials: &differentials,
-        materials: &materials,
-        light: &prepared.light,
-        light_bandwidth: &light_bandwidth,
-    };
     let mut group = c.benchmark_group("frame");
     group.sample_size(20);
     let cases = [
@@ -77,8 +68,8 @@ fn frames(c: &mut Criterion) {
     ];
     for (name, mode, spp) in cases {
         let options = RenderOptions { mode, budget: Budget::SamplesPerPixel(spp), ..RenderOptions::default() };
-        let mut renderer = Renderer::default();
-        group.bench_function(name, |b| b.iter(|| renderer.render(&view, black_box(&options))));
+        let mut frame = Cpu.prepare(prepared.input());
+        group.bench_function(name, |b| b.iter(|| Cpu.render(&mut frame, black_box(&options))));
     }
     group.finish();
 }

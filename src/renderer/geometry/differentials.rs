@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::Vec3;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
+use crate::geometry::vec3::Vec3;
 
 /// Change of the mirror direction, in radians per pixel along both axes, where a pixel has no neighbour of its material: as
 /// good as a silhouette on all sides, so it asks for full resolution.
@@ -12,32 +12,31 @@ const ISOLATED: f32 = 0.2;
 /// Screen-space differentials of a [`GBuffer`], row-major; zeros at pixels of the background.
 ///
 /// Differences are one-sided: along each axis, of the two neighbours of the same material that whose depth is nearer.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Differentials {
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Differentials {
     /// Largest singular value of `d r / d pixel`, `r = 2 (n.v) n - v` the mirror direction of the view: radians per pixel. What
     /// is reflected from a distance passes over the image at this speed.
-    pub spread: Vec<f32>,
+    pub(crate) spread: Vec<f32>,
     /// Normal curvature `dn.dp / dp.dp` along the axis of the image where it is larger in magnitude, 1 per world unit;
     /// above zero where the surface is convex towards the eye.
-    pub curvature: Vec<f32>,
+    pub(crate) curvature: Vec<f32>,
 }
 
 impl Differentials {
-    /// Computes the differentials of all pixels into the buffers.
-    pub fn compute(&mut self, gbuffer: &GBuffer) {
-        let width = gbuffer.width;
-        for buffer in [&mut self.spread, &mut self.curvature] {
-            buffer.clear();
-            buffer.resize(gbuffer.material.len(), 0.0);
-        }
-        let rows = self.spread.par_chunks_mut(width.max(1)).zip(self.curvature.par_chunks_mut(width.max(1)));
-        rows.enumerate().for_each(|(y, (spread, curvature))| {
-            for x in 0..width {
-                if gbuffer.material[y * width + x] != BACKGROUND {
-                    (spread[x], curvature[x]) = at(gbuffer, x, y);
+    /// The differentials of all pixels.
+    pub(crate) fn new(gbuffer: &GBuffer) -> Self {
+        let (width, pixels) = (gbuffer.width, gbuffer.material.len());
+        let (mut spread, mut curvature) = (vec![0.0; pixels], vec![0.0; pixels]);
+        spread.par_chunks_mut(width).zip(curvature.par_chunks_mut(width)).enumerate().for_each(
+            |(y, (spread, curvature))| {
+                for x in 0..width {
+                    if gbuffer.material[y * width + x] != BACKGROUND {
+                        (spread[x], curvature[x]) = at(gbuffer, x, y);
+                    }
                 }
-            }
-        });
+            },
+        );
+        Self { spread, curvature }
     }
 }
 
@@ -90,8 +89,7 @@ mod tests {
     fn the_centre_of_a_sphere_agrees_with_the_closed_form() {
         // unit sphere seen from distance d: at the centre dn = dp / R, the normal turns by a (d - R)/R per pixel, the view by a
         let gbuffer = sphere(129, 4.0);
-        let mut differentials = Differentials::default();
-        differentials.compute(&gbuffer);
+        let differentials = Differentials::new(&gbuffer);
         let centre = 64 * 129 + 64;
         let expected = gbuffer.pixel_angle * (2.0 * 3.0 + 1.0);
         let ours = differentials.spread[centre];
@@ -119,8 +117,7 @@ mod tests {
         for pixel in (0..9).filter(|&pixel| pixel != 4) {
             gbuffer.material[pixel] = BACKGROUND;
         }
-        let mut differentials = Differentials::default();
-        differentials.compute(&gbuffer);
+        let differentials = Differentials::new(&gbuffer);
         assert!((differentials.spread[4] - ISOLATED * 6.0_f32.sqrt()).abs() < 1e-6);
         assert_eq!(differentials.curvature[4], 0.0);
         assert_eq!(differentials.spread[0], 0.0);

@@ -4,3 +4,5 @@ pub(crate) mod differentials;
 pub(crate) mod gbuffer;
 pub mod octahedral;
 pub mod sobol;
+pub(crate) mod spherical_rectangle;
+pub(crate) mod vec3;

@@ -4,7 +4,7 @@
 //! square: +z lies in the middle, -z in the four corners. Source: Engelhardt and Dachsbacher, "Octahedron environment maps",
 //! VMV 2008. Texel `(column, row)` of an `n x n` image covers `[column, column + 1] / n` of `u` and `[row, row + 1] / n` of `v`.
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use wide::f32x8;
 
 /// The place of a direction, which need not have length 1, in the unit square.

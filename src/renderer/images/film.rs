@@ -95,18 +95,16 @@ impl Film {
         self.plane("R", plane(0)).plane("G", plane(1)).plane("B", plane(2))
     }
 
-    /// Adds a layer of N components per pixel: channels `name.component`.
+    /// Adds a layer: channels `name.component`.
     ///
     /// # Panics
     /// If there is not one value per pixel, or the layer is there already.
     #[must_use]
-    pub fn layer<const N: usize>(
-        self,
-        name: &str,
-        components: [&str; N],
-        pixels: impl Iterator<Item = [f32; N]> + Clone,
-    ) -> Self {
-        (0..N).fold(self, |film, c| film.plane(&format!("{name}.{}", components[c]), pixels.clone().map(move |p| p[c])))
+    pub fn layer(self, layer: &crate::images::layer::Layer) -> Self {
+        let add = |film: Self, (component, values): &(&str, Vec<f32>)| {
+            film.plane(&format!("{}.{component}", layer.name()), values.iter().copied())
+        };
+        layer.planes().iter().fold(self, add)
     }
 
     /// Adds a layer of one component per pixel: the channel `name.Y`, which viewers show in grey.
@@ -280,11 +278,8 @@ mod tests {
     fn film() -> Film {
         let depths = (0..35).map(|k| if k % 5 == 0 { f32::INFINITY } else { k as f32 });
         let normals = pixels().into_iter().map(|[x, y, _]| [x, y, 1.0]);
-        Film::new(7, 5).comment("a test").scalar("depth", depths).radiance(&pixels()).layer(
-            "normal",
-            ["X", "Y", "Z"],
-            normals,
-        )
+        let normal = crate::images::layer::Layer::new("normal", ["X", "Y", "Z"], normals);
+        Film::new(7, 5).comment("a test").scalar("depth", depths).radiance(&pixels()).layer(&normal)
     }
 
     #[test]

@@ -4,5 +4,5 @@ pub(crate) mod exposure;
 pub(crate) mod false_colour;
 pub(crate) mod film;
 pub mod flip;
-pub(crate) mod layers;
+pub(crate) mod layer;
 pub(crate) mod metrics;

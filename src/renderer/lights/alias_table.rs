@@ -4,9 +4,9 @@
 /// carry them into the neighbour.
 const INSET: f32 = 1.0 / 4096.0;
 
-/// One cell of an alias table: below the threshold its own number, above it another.
+/// One entry of an alias table: below the threshold its own number, above it another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Cell {
+struct Entry {
     threshold: f32,
     alias: u32,
 }
@@ -19,17 +19,17 @@ struct Cell {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TexelTable {
     n: usize,
-    rows: Vec<Cell>,
+    rows: Vec<Entry>,
     /// One table per row.
-    columns: Vec<Cell>,
+    columns: Vec<Entry>,
 }
 
 impl TexelTable {
     /// The tables for `n x n` weights, row-major, not negative, with a sum above zero.
     pub(crate) fn new(n: usize, weights: &[f64]) -> Self {
         let sums: Vec<f64> = weights.chunks_exact(n).map(|row| row.iter().sum()).collect();
-        let columns = weights.chunks_exact(n).flat_map(cells).collect();
-        Self { n, rows: cells(&sums), columns }
+        let columns = weights.chunks_exact(n).flat_map(entries).collect();
+        Self { n, rows: entries(&sums), columns }
     }
 
     /// A place of the unit square from two numbers in [0, 1): a texel with the probability of its weight, uniform inside.
@@ -44,11 +44,11 @@ impl TexelTable {
 
 /// A number of the table and the rest of `u` in (0, 1), uniform.
 #[inline(always)]
-fn draw(cells: &[Cell], u: f32) -> (usize, f32) {
-    let scaled = u * cells.len() as f32;
-    let own = (scaled as usize).min(cells.len() - 1);
+fn draw(entries: &[Entry], u: f32) -> (usize, f32) {
+    let scaled = u * entries.len() as f32;
+    let own = (scaled as usize).min(entries.len() - 1);
     let rest = scaled - own as f32;
-    let Cell { threshold, alias } = cells[own];
+    let Entry { threshold, alias } = entries[own];
     let first = rest < threshold;
     let number = if first { own } else { alias as usize };
     let (above, width) = if first { (rest, threshold) } else { (rest - threshold, 1.0 - threshold) };
@@ -56,18 +56,18 @@ fn draw(cells: &[Cell], u: f32) -> (usize, f32) {
 }
 
 /// The alias table of one list of weights; without any weight, a uniform one, which is never reached.
-fn cells(weights: &[f64]) -> Vec<Cell> {
+fn entries(weights: &[f64]) -> Vec<Entry> {
     let n = weights.len();
     let sum: f64 = weights.iter().sum();
-    let mut cells: Vec<Cell> = (0..n as u32).map(|alias| Cell { threshold: 1.0, alias }).collect();
+    let mut entries: Vec<Entry> = (0..n as u32).map(|alias| Entry { threshold: 1.0, alias }).collect();
     if sum <= 0.0 {
-        return cells;
+        return entries;
     }
     let mut left: Vec<f64> = weights.iter().map(|weight| weight / sum * n as f64).collect();
     let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..n).rev().partition(|&k| left[k] < 1.0);
     while let (Some(&low), Some(&high)) = (small.last(), large.last()) {
         small.pop();
-        cells[low] = Cell { threshold: left[low] as f32, alias: high as u32 };
+        entries[low] = Entry { threshold: left[low] as f32, alias: high as u32 };
         left[high] -= 1.0 - left[low];
         if left[high] < 1.0 {
             large.pop();
@@ -78,10 +78,10 @@ fn cells(weights: &[f64]) -> Vec<Cell> {
     let largest = (0..n).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or(0);
     for low in small {
         if weights[low] == 0.0 {
-            cells[low] = Cell { threshold: 0.0, alias: largest as u32 };
+            entries[low] = Entry { threshold: 0.0, alias: largest as u32 };
         }
     }
-    cells
+    entries
 }
 
 #[cfg(test)]
@@ -96,7 +96,7 @@ mod tests {
             let sum: f64 = weights.iter().sum();
             prop_assume!(sum > 0.0);
             let mut lengths = vec![0.0; weights.len()];
-            for (own, cell) in cells(&weights).iter().enumerate() {
+            for (own, cell) in entries(&weights).iter().enumerate() {
                 lengths[own] += f64::from(cell.threshold) / weights.len() as f64;
                 lengths[cell.alias as usize] += (1.0 - f64::from(cell.threshold)) / weights.len() as f64;
             }

@@ -1,8 +1,9 @@
 //! The local bandwidth of the light in every direction.
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::lights::octahedral_light::Light;
 use brdfit_bandwidth::Estimator;
+use brdfit_brdf::by_eights;
 use rayon::prelude::*;
 use std::f32::consts::FRAC_PI_2;
 use wide::f32x8;
@@ -57,15 +58,7 @@ impl LightBandwidth {
     /// # Panics
     /// If the slices differ in length.
     pub fn at_many(&self, d: [&[f32]; 3], bandwidth: &mut [f32]) {
-        assert!(d.iter().all(|component| component.len() == bandwidth.len()), "arrays of one length");
-        let blocks = d.map(|component| component.chunks(8));
-        let [x, y, z] = blocks;
-        for (((x, y), z), out) in x.zip(y).zip(z).zip(bandwidth.chunks_mut(8)) {
-            let indices = eight_indices([x, y, z].map(eight));
-            for (out, index) in out.iter_mut().zip(indices) {
-                *out = self.texels[index];
-            }
-        }
+        by_eights(d, [bandwidth], |d| [f32x8::from(eight_indices(d).map(|index| self.texels[index]))]);
     }
 
     /// The charts around +z and -z, [`Self::SIZE`] squared texels each, row-major: column along x, row along y, as they are looked up.
@@ -73,13 +66,6 @@ impl LightBandwidth {
         let (upper, lower) = self.texels.split_at(Self::SIZE * Self::SIZE);
         [upper, lower]
     }
-}
-
-fn eight(slice: &[f32]) -> f32x8 {
-    if let Ok(lanes) = <[f32; 8]>::try_from(slice) {
-        return f32x8::from(lanes);
-    }
-    f32x8::from(std::array::from_fn(|n| slice[n.min(slice.len() - 1)]))
 }
 
 /// Where the bandwidths of eight directions stand.

@@ -4,7 +4,7 @@
 //! a quarter to the right -y, as somebody sees it who stands inside and looks along +x. At the centre of column c of w the azimuth
 //! from +x towards +y is `phi = pi - 2 pi (c + 1/2) / w`, at the centre of row r of h the angle from +z is `theta = pi (r + 1/2) / h`.
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::images::film::read_colours;
 use crate::lights::error::LightError;
 use crate::lights::octahedral_light::{Light, is_radiance, texel_means};

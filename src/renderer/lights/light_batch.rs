@@ -2,15 +2,13 @@
 //!
 //! All results are those of the single look-ups bit for bit, wherever in a slice they stand.
 
-use crate::Vec3;
 use crate::geometry::octahedral::{eight_to_directions, eight_to_square};
+use crate::geometry::vec3::Vec3;
 use crate::lights::alias_table::TexelTable;
 use crate::lights::light_level::LightLevel;
 use crate::lights::octahedral_light::Light;
+use brdfit_brdf::by_eights;
 use wide::{f32x4, f32x8};
-
-const LANES: usize = 8;
-type Eight = [f32; LANES];
 
 impl Light {
     /// Draws directions as [`Light::sample`] does.
@@ -24,7 +22,7 @@ impl Light {
             }
             return;
         };
-        in_eights(u, d, |u| eight_samples(table, u));
+        by_eights(u, d, |u| eight_samples(table, u));
     }
 
     /// The radiance, as [`Light::radiance`], and the density, as [`Light::density`], at unit directions.
@@ -33,7 +31,7 @@ impl Light {
     /// If the slices differ in length.
     pub fn evaluate_many(&self, d: [&[f32]; 3], radiance: [&mut [f32]; 3], density: &mut [f32]) {
         let [r, g, b] = radiance;
-        in_eights(d, [r, g, b, density], |d| eight_values(&self.levels[0], d));
+        by_eights(d, [r, g, b, density], |d| eight_values(&self.levels[0], d));
     }
 
     /// The radiance at unit directions, trilinear at the levels whose texels there cover the given footprints in steradians: level
@@ -46,19 +44,19 @@ impl Light {
     /// If the slices differ in length.
     pub fn prefiltered_many(&self, d: [&[f32]; 3], footprint: &[f32], radiance: [&mut [f32]; 3]) {
         let [x, y, z] = d;
-        in_eights([x, y, z, footprint], radiance, |[x, y, z, footprint]| self.eight_prefiltered([x, y, z], footprint));
+        by_eights([x, y, z, footprint], radiance, |[x, y, z, footprint]| self.eight_prefiltered([x, y, z], footprint));
     }
 
     #[inline(always)]
-    fn eight_prefiltered(&self, d: [Eight; 3], footprint: Eight) -> [Eight; 3] {
-        let ([p, q], norm) = eight_to_square(d.map(f32x8::from));
+    fn eight_prefiltered(&self, d: [f32x8; 3], footprint: f32x8) -> [f32x8; 3] {
+        let ([p, q], norm) = eight_to_square(d);
         let texel = norm * norm * norm * (4.0 / (self.size() * self.size()) as f32);
-        let ratio = (f32x8::from(footprint) / texel).fast_max(f32x8::ONE).fast_min(f32x8::splat(1e9));
+        let ratio = (footprint / texel).fast_max(f32x8::ONE).fast_min(f32x8::splat(1e9));
         let last = (self.levels.len() - 1) as f32;
         let level = (ratio.ln() * (0.5 * std::f32::consts::LOG2_E)).fast_max(f32x8::ZERO).fast_min(f32x8::splat(last));
         let (p, q, level) = (p.to_array(), q.to_array(), level.to_array());
-        let mut out = [[0.0; LANES]; 3];
-        for n in 0..LANES {
+        let mut out = [[0.0; 8]; 3];
+        for n in 0..8 {
             let fine = (level[n] as usize).min(self.levels.len() - 2);
             let [a, b] = [fine, fine + 1].map(|k| {
                 let level = &self.levels[k];
@@ -69,23 +67,24 @@ impl Light {
                 out[channel][n] = value[channel];
             }
         }
-        out
+        out.map(f32x8::from)
     }
 }
 
 #[inline(always)]
-fn eight_samples(table: &TexelTable, [u, v]: [Eight; 2]) -> [Eight; 3] {
-    let mut place = [[0.0; LANES]; 2];
-    for n in 0..LANES {
+fn eight_samples(table: &TexelTable, u: [f32x8; 2]) -> [f32x8; 3] {
+    let [u, v] = u.map(f32x8::to_array);
+    let mut place = [[0.0; 8]; 2];
+    for n in 0..8 {
         [place[0][n], place[1][n]] = table.place([u[n], v[n]]);
     }
-    eight_to_directions(place.map(f32x8::from)).map(f32x8::to_array)
+    eight_to_directions(place.map(f32x8::from))
 }
 
 #[inline(always)]
-fn eight_values(level: &LightLevel, d: [Eight; 3]) -> [Eight; 4] {
+fn eight_values(level: &LightLevel, d: [f32x8; 3]) -> [f32x8; 4] {
     let n = level.size() as f32;
-    let ([p, q], norm) = eight_to_square(d.map(f32x8::from));
+    let ([p, q], norm) = eight_to_square(d);
     let position = |p: f32x8| (p * (0.5 * n) + (0.5 * n + 0.5)).fast_max(f32x8::ZERO).fast_min(f32x8::splat(n + 0.5));
     let (x, y) = (position(p), position(q));
     let floor = |x: f32x8| f32x8::from_i32x8(x.fast_trunc_int());
@@ -98,41 +97,14 @@ fn eight_values(level: &LightLevel, d: [Eight; 3]) -> [Eight; 4] {
 
     let value = |k: usize| level.between(first[k] as usize, [x[k], y[k]]);
     let [low, high] = [0, 4].map(|k| f32x4::transpose([value(k), value(k + 1), value(k + 2), value(k + 3)]));
-    let mut out = [[0.0; LANES]; 4];
+    let mut out = [[0.0; 8]; 4];
     for channel in 0..3 {
         out[channel][..4].copy_from_slice(low[channel].as_array());
         out[channel][4..].copy_from_slice(high[channel].as_array());
     }
     let fourth = f32x8::from(std::array::from_fn(|k| level.fourth(nearest[k] as usize)));
-    out[3] = (fourth / (norm * norm * norm)).to_array();
-    out
-}
-
-/// Applies a function of eight lanes to slices of any one length; lanes beyond the end repeat the last one.
-#[inline(always)]
-fn in_eights<const I: usize, const O: usize>(
-    input: [&[f32]; I],
-    output: [&mut [f32]; O],
-    function: impl Fn([Eight; I]) -> [Eight; O],
-) {
-    let count = input[0].len();
-    assert!(input.iter().all(|slice| slice.len() == count), "arrays of one length");
-    assert!(output.iter().all(|slice| slice.len() == count), "arrays of one length");
-    let input = input.map(<[f32]>::as_chunks::<LANES>);
-    let mut output = output.map(<[f32]>::as_chunks_mut::<LANES>);
-    for block in 0..count / LANES {
-        let out = function(std::array::from_fn(|k| input[k].0[block]));
-        for (slice, out) in output.iter_mut().zip(out) {
-            slice.0[block] = out;
-        }
-    }
-    let rest = count % LANES;
-    if rest > 0 {
-        let lanes = input.map(|(_, tail)| std::array::from_fn(|n| tail[n.min(rest - 1)]));
-        for ((_, tail), out) in output.iter_mut().zip(function(lanes)) {
-            tail.copy_from_slice(&out[..rest]);
-        }
-    }
+    let [r, g, b, _] = out.map(f32x8::from);
+    [r, g, b, fourth / (norm * norm * norm)]
 }
 
 #[cfg(test)]

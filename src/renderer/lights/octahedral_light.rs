@@ -1,18 +1,19 @@
 //! The light: radiance from all directions, at infinite distance.
 
-use crate::Vec3;
 use crate::geometry::octahedral::{
     direction_to_signed_square, l1_norm, solid_angle_per_area, square_to_direction, wrap,
 };
+use crate::geometry::vec3::Vec3;
 use crate::lights::alias_table::TexelTable;
 use crate::lights::error::LightError;
 use crate::lights::light_level::LightLevel;
 use rayon::prelude::*;
 
 /// Luminance of linear RGB with the primaries of Rec. 709.
-pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+pub(crate) const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// Radiance above this, in any channel, is refused: sums and squares of it must stay finite.
+/// Radiance above this, in any channel and in the unit of the source, is refused: sums and squares of it must stay finite in single
+/// precision.
 pub const LARGEST_RADIANCE: f32 = 1e14;
 
 /// Radiance from all directions as an octahedral image with its mip levels, and a way to draw directions from it.
@@ -76,11 +77,6 @@ impl Light {
     /// Texels along a side of level 0.
     pub fn size(&self) -> usize {
         self.levels[0].size()
-    }
-
-    /// Number of mip levels, down to 1 x 1.
-    pub fn levels(&self) -> usize {
-        self.levels.len()
     }
 
     /// The radiance in a texel of a level.

@@ -1,6 +1,6 @@
 //! Built-in lights, functions of the direction: no file is needed for tests and demonstrations.
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::lights::octahedral_light::Light;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,10 +1,11 @@
-//! The cells of the pyramid: blocks of 2^k x 2^k pixels, and the surface that each stands for.
+//! The surface pyramid: cells of 2^k x 2^k pixels, and the surface that each stands for.
 
 use rayon::prelude::*;
 
-use crate::Vec3;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
+use crate::geometry::vec3::Vec3;
 use crate::passes::image_bandwidth::COARSEST_LEVEL;
+use crate::passes::pass::Pass;
 
 /// Depths of a coherent cell differ from their mean by less than this share of it.
 const DEPTH_TOLERANCE: f32 = 0.03;
@@ -13,18 +14,18 @@ const NORMAL_SUM: f32 = 3.6;
 
 /// The surface of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cell {
+pub(crate) struct Cell {
     /// Point on the surface, world units.
-    pub position: Vec3,
+    pub(crate) position: Vec3,
     /// Distance to the eye, world units.
-    pub depth: f32,
+    pub(crate) depth: f32,
     /// Unit normal.
-    pub normal: Vec3,
+    pub(crate) normal: Vec3,
     /// Index of the material, [`BACKGROUND`] where the cell has no surface.
-    pub material: u16,
+    pub(crate) material: u16,
     /// Whether the four pixels at the centre belong together: then the cell is their mean. Otherwise it is the pixel of a
     /// surface that is nearest to the centre.
-    pub coherent: bool,
+    pub(crate) coherent: bool,
 }
 
 impl Cell {
@@ -38,7 +39,7 @@ impl Cell {
 
     /// The cell of a single pixel.
     #[inline]
-    pub fn of_pixel(gbuffer: &GBuffer, pixel: usize) -> Self {
+    pub(crate) fn of_pixel(gbuffer: &GBuffer, pixel: usize) -> Self {
         Self {
             position: gbuffer.position[pixel],
             depth: gbuffer.depth[pixel],
@@ -48,15 +49,9 @@ impl Cell {
         }
     }
 
-    /// Whether there is no surface.
-    #[inline]
-    pub fn is_empty(&self) -> bool {
-        self.material == BACKGROUND
-    }
-
     /// Mean of the distances of the point of either cell to the tangent plane of the other, world units.
     #[inline]
-    pub fn plane_distance(&self, other: &Self) -> f32 {
+    pub(crate) fn plane_distance(&self, other: &Self) -> f32 {
         let between = other.position - self.position;
         0.5 * (between.dot(&self.normal).abs() + between.dot(&other.normal).abs())
     }
@@ -64,52 +59,60 @@ impl Cell {
 
 /// Columns and rows of the cells of a level: `ceil(W / 2^k) x ceil(H / 2^k)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Extent {
+pub(crate) struct Extent {
     /// Columns.
-    pub width: usize,
+    pub(crate) width: usize,
     /// Rows.
-    pub height: usize,
+    pub(crate) height: usize,
 }
 
 impl Extent {
     /// The cells of level `k` of an image.
-    pub fn of_level(gbuffer: &GBuffer, k: usize) -> Self {
+    pub(crate) fn of_level(gbuffer: &GBuffer, k: usize) -> Self {
         Self { width: gbuffer.width.div_ceil(1 << k), height: gbuffer.height.div_ceil(1 << k) }
     }
 
     /// Number of cells.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.width * self.height
     }
 }
 
-/// The cells of levels 1 to 5; those of level 0 are the pixels.
-#[derive(Clone, Debug, Default)]
-pub struct Cells {
+/// The cells of levels 1 to 5; those of level 0 are the pixels of the G-buffer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct SurfacePyramid {
     levels: [Vec<Cell>; COARSEST_LEVEL],
 }
 
-impl Cells {
+impl SurfacePyramid {
     /// The cell of a level and index.
     #[inline]
-    pub fn at(&self, gbuffer: &GBuffer, k: usize, index: usize) -> Cell {
+    pub(crate) fn at(&self, gbuffer: &GBuffer, k: usize, index: usize) -> Cell {
         if k == 0 { Cell::of_pixel(gbuffer, index) } else { self.levels[k - 1][index] }
     }
 
-    /// The cells of a level from 1.
-    pub fn level(&self, k: usize) -> &[Cell] {
-        &self.levels[k - 1]
+    /// The cells that are held for a level: none for level 0, whose cells are the pixels.
+    pub(crate) fn level(&self, k: usize) -> &[Cell] {
+        k.checked_sub(1).map_or(&[], |k| &self.levels[k])
     }
+}
 
-    /// Computes the cells of all levels.
-    pub(crate) fn compute(&mut self, gbuffer: &GBuffer) {
-        for (k, cells) in (1..).zip(&mut self.levels) {
-            let extent = Extent::of_level(gbuffer, k);
+/// Computes the cells of all levels.
+pub(crate) struct PyramidPass<'a> {
+    pub(crate) gbuffer: &'a GBuffer,
+}
+
+impl Pass for PyramidPass<'_> {
+    type Output = SurfacePyramid;
+
+    fn run(&self, pyramid: &mut SurfacePyramid) {
+        for (k, cells) in (1..).zip(&mut pyramid.levels) {
+            let extent = Extent::of_level(self.gbuffer, k);
             cells.clear();
             cells.resize(extent.count(), Cell::EMPTY);
             cells.par_chunks_mut(extent.width).enumerate().for_each(|(row, cells)| {
                 for (column, cell) in cells.iter_mut().enumerate() {
-                    *cell = cell_at(gbuffer, k, column, row);
+                    *cell = cell_at(self.gbuffer, k, column, row);
                 }
             });
         }
@@ -156,22 +159,8 @@ fn coherent_cell(gbuffer: &GBuffer, four: [usize; 4]) -> Option<Cell> {
 
 /// The pixel of a surface that is nearest to the centre of a cell, the first in row order on a tie.
 fn nearest_pixel(gbuffer: &GBuffer, k: usize, column: usize, row: usize) -> Option<usize> {
-    let side = 1_usize << k;
-    let (left, top) = (column * side, row * side);
-    let off = |at: usize, first: usize| (2 * (at - first)).abs_diff(side - 1).pow(2);
-    let mut best: Option<(usize, usize)> = None;
-    for y in top..(top + side).min(gbuffer.height) {
-        for x in left..(left + side).min(gbuffer.width) {
-            let pixel = y * gbuffer.width + x;
-            if gbuffer.material[pixel] != BACKGROUND {
-                let distance = off(x, left) + off(y, top);
-                if best.is_none_or(|(least, _)| distance < least) {
-                    best = Some((distance, pixel));
-                }
-            }
-        }
-    }
-    best.map(|(_, pixel)| pixel)
+    let pixels = gbuffer.surfaces_in_block([column << k, row << k], 1 << k);
+    pixels.min_by_key(|&(_, distance)| distance).map(|(pixel, _)| pixel)
 }
 
 #[cfg(test)]
@@ -179,32 +168,37 @@ mod tests {
     use super::*;
     use crate::test_scenes::sphere;
 
+    fn pyramid(gbuffer: &GBuffer) -> SurfacePyramid {
+        let mut pyramid = SurfacePyramid::default();
+        PyramidPass { gbuffer }.run(&mut pyramid);
+        pyramid
+    }
+
     #[test]
     fn cells_of_a_sphere_are_coherent_inside_and_lie_on_it() {
         let gbuffer = sphere(96, 4.0);
-        let mut cells = Cells::default();
-        cells.compute(&gbuffer);
+        let pyramid = pyramid(&gbuffer);
         for k in 1..=COARSEST_LEVEL {
             let extent = Extent::of_level(&gbuffer, k);
-            assert_eq!(cells.level(k).len(), extent.count());
-            for cell in cells.level(k).iter().filter(|cell| !cell.is_empty()) {
+            assert_eq!(pyramid.level(k).len(), extent.count());
+            for cell in pyramid.level(k).iter().filter(|cell| cell.material != BACKGROUND) {
                 assert!((cell.position.norm() - 1.0).abs() < 0.02, "level {k}: {cell:?}");
                 assert!((cell.normal.norm() - 1.0).abs() < 1e-5);
                 let facing = cell.normal.dot(&(Vec3::new(4.0, 0.0, 0.0) - cell.position).normalize());
                 assert!(cell.coherent || facing < 0.6, "level {k}: {cell:?}");
             }
         }
-        assert!(cells.level(3)[0].is_empty() && !cells.level(5)[0].is_empty());
+        assert!(pyramid.level(0).is_empty(), "the cells of level 0 are the pixels");
+        assert!(pyramid.level(3)[0].material == BACKGROUND && pyramid.level(5)[0].material == 0);
     }
 
     #[test]
     fn cells_at_the_border_of_odd_images_are_single_pixels() {
         let gbuffer = sphere(7, 4.0);
-        let mut cells = Cells::default();
-        cells.compute(&gbuffer);
+        let pyramid = pyramid(&gbuffer);
         // 7 pixels: the last cell of level 1 has one column
         assert_eq!(Extent::of_level(&gbuffer, 1), Extent { width: 4, height: 4 });
-        assert!(cells.level(1).iter().enumerate().all(|(n, cell)| n % 4 != 3 || !cell.coherent));
+        assert!(pyramid.level(1).iter().enumerate().all(|(n, cell)| n % 4 != 3 || !cell.coherent));
         assert_eq!(nearest_pixel(&gbuffer, 3, 0, 0), Some(3 * 7 + 3));
     }
 
@@ -216,11 +210,10 @@ mod tests {
                 gbuffer.material[pixel] = 1;
             }
         }
-        let mut cells = Cells::default();
-        cells.compute(&gbuffer);
+        let pyramid = pyramid(&gbuffer);
         // columns 14 and 15 lie in one cell of two pixels
-        let cell = cells.level(1)[8 * 16 + 7];
+        let cell = pyramid.level(1)[8 * 16 + 7];
         assert!(!cell.coherent && cell.material == 0);
-        assert!(cells.level(1)[8 * 16 + 8].coherent);
+        assert!(pyramid.level(1)[8 * 16 + 8].coherent);
     }
 }

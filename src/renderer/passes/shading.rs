@@ -5,45 +5,53 @@ use std::ops::Range;
 use rayon::prelude::*;
 use wide::f32x4;
 
-use crate::Vec3;
 use crate::geometry::gbuffer::GBuffer;
-use crate::geometry::sobol::seed;
-use crate::lights::octahedral_light::Light;
+use crate::geometry::vec3::Vec3;
+use crate::lights::light_set::{LightSet, LookUp};
+use crate::passes::allocation::SampleCounts;
 use crate::passes::decision::Decisions;
-use crate::passes::direct_lighting::{Batch, LANES, LookUp, Place, Request, Technique};
-use crate::passes::material::Material;
-use crate::passes::pyramid::{Cells, central_pixels};
+use crate::passes::direct_lighting::{Batch, Gathering, LANES, Place, Request, Stage};
+use crate::passes::material::ShadingMaterial;
+use crate::passes::pass::Pass;
+use crate::passes::pyramid::{SurfacePyramid, central_pixels};
 
 /// Samples that one job takes, at least: many batches.
 const JOB: u64 = 4096;
 
 /// A cell that is shaded.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShadingPoint {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ShadingPoint {
     /// Level of the cell.
-    pub level: u8,
+    pub(crate) level: u8,
     /// Material of the cell.
-    pub material: u16,
+    pub(crate) material: u16,
     /// Column of the cell in its level.
-    pub column: u16,
+    pub(crate) column: u16,
     /// Row of the cell in its level.
-    pub row: u16,
-    /// Samples that it takes.
-    pub samples: u32,
-    /// Whether the light is looked up in its mips: less noise, some bias.
-    pub filtered: bool,
+    pub(crate) row: u16,
 }
 
 /// The list, in an order that depends on nothing but the decisions: by material, level, row, column.
-#[derive(Clone, Debug, Default)]
-pub struct ShadingList {
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct ShadingList {
     /// The points.
-    pub points: Vec<ShadingPoint>,
+    pub(crate) points: Vec<ShadingPoint>,
 }
 
-impl ShadingList {
-    /// Lists all cells that are shaded.
-    pub(crate) fn collect(&mut self, gbuffer: &GBuffer, decisions: &Decisions, cells: &Cells, materials: usize) {
+/// Lists all cells that are shaded.
+pub(crate) struct ShadingListPass<'a> {
+    pub(crate) gbuffer: &'a GBuffer,
+    pub(crate) decisions: &'a Decisions,
+    pub(crate) pyramid: &'a SurfacePyramid,
+    /// Number of materials.
+    pub(crate) materials: usize,
+}
+
+impl Pass for ShadingListPass<'_> {
+    type Output = ShadingList;
+
+    fn run(&self, list: &mut ShadingList) {
+        let Self { gbuffer, decisions, pyramid, materials } = *self;
         let rows: Vec<(usize, usize)> = decisions
             .levels
             .iter()
@@ -61,52 +69,53 @@ impl ShadingList {
                     .filter(|(_, state)| state.is_shaded())
                     .map(|(column, _)| ShadingPoint {
                         level: k as u8,
-                        material: cells.at(gbuffer, k, row * width + column).material,
+                        material: pyramid.at(gbuffer, k, row * width + column).material,
                         column: column as u16,
                         row: row as u16,
-                        samples: 0,
-                        filtered: false,
                     })
                     .collect()
             })
             .collect();
-        self.points.clear();
+        list.points.clear();
         for material in 0..materials {
-            self.points.extend(found.iter().flatten().filter(|point| usize::from(point.material) == material));
+            list.points.extend(found.iter().flatten().filter(|point| usize::from(point.material) == material));
         }
     }
-
-    /// Samples of all points.
-    pub fn samples(&self) -> u64 {
-        self.points.iter().map(|point| u64::from(point.samples)).sum()
-    }
 }
 
-/// What shading needs beside the list.
-pub(crate) struct Shade<'a> {
+/// Shades the points of a list.
+pub(crate) struct ShadingPass<'a> {
     pub(crate) gbuffer: &'a GBuffer,
-    pub(crate) materials: &'a [Material<'a>],
-    pub(crate) light: &'a Light,
+    pub(crate) materials: &'a [ShadingMaterial<'a>],
+    pub(crate) lights: &'a LightSet,
     pub(crate) seed: u32,
+    pub(crate) points: &'a [ShadingPoint],
+    /// Samples of each point.
+    pub(crate) counts: &'a SampleCounts,
 }
 
-impl Shade<'_> {
-    /// Radiance of each point towards the eye, with a texture of 1, in the order of the list; the last component is 1.
-    pub(crate) fn shade(&self, list: &ShadingList, radiance: &mut Vec<f32x4>) {
+impl Pass for ShadingPass<'_> {
+    /// Radiance of each point towards the eye, with a texture of 1, in the order of the list; the last component is 0.
+    type Output = Vec<f32x4>;
+
+    fn run(&self, radiance: &mut Vec<f32x4>) {
         radiance.clear();
-        radiance.resize(list.points.len(), f32x4::ZERO);
+        radiance.resize(self.points.len(), f32x4::ZERO);
         let mut jobs = Vec::new();
         let mut rest = radiance.as_mut_slice();
-        for range in self.jobs(&list.points) {
+        for range in self.jobs() {
             let (mine, others) = rest.split_at_mut(range.len());
             rest = others;
-            jobs.push((&list.points[range], mine));
+            jobs.push((range, mine));
         }
-        jobs.into_par_iter().for_each_init(Job::default, |job, (points, radiance)| job.run(self, points, radiance));
+        jobs.into_par_iter().for_each_init(Job::default, |job, (range, radiance)| job.run(self, range, radiance));
     }
+}
 
+impl ShadingPass<'_> {
     /// Divides the list into parts of one material with about the same number of samples.
-    fn jobs(&self, points: &[ShadingPoint]) -> Vec<Range<usize>> {
+    fn jobs(&self) -> Vec<Range<usize>> {
+        let points = self.points;
         let mut jobs = Vec::new();
         let (mut first, mut samples) = (0, 0);
         for (n, point) in points.iter().enumerate() {
@@ -114,7 +123,7 @@ impl Shade<'_> {
                 jobs.push(first..n);
                 (first, samples) = (n, 0);
             }
-            samples += u64::from(point.samples);
+            samples += u64::from(self.counts.samples[n]);
         }
         if first < points.len() {
             jobs.push(first..points.len());
@@ -122,17 +131,36 @@ impl Shade<'_> {
         jobs
     }
 
-    /// Where a point gathers light, and the pixel that its seeds come from: that to the lower right of the cell's centre.
-    fn place(&self, point: &ShadingPoint) -> (Place, usize) {
+    /// Where a point gathers light: at its pixel, or at the mean of the four around the centre of its cell. The sequences of points
+    /// are those of the pixel to the lower right of the centre.
+    fn place(&self, point: &ShadingPoint) -> Place {
         let (k, gbuffer) = (usize::from(point.level), self.gbuffer);
         let (column, row) = (usize::from(point.column), usize::from(point.row));
+        let of_pixel = |pixel: usize| [(pixel % gbuffer.width) as u32, (pixel / gbuffer.width) as u32];
         if k == 0 {
-            let pixel = row * gbuffer.width + column;
-            return (Place { normal: gbuffer.normal[pixel], view: gbuffer.view[pixel] }, pixel);
+            let n = row * gbuffer.width + column;
+            let (position, normal, view) = (gbuffer.position[n], gbuffer.normal[n], gbuffer.view[n]);
+            return Place { position, normal, view, pixel: of_pixel(n) };
         }
         let four = central_pixels(gbuffer, k, column, row).expect("only coherent cells are shaded");
-        let mean = |vectors: &[Vec3]| four.iter().fold(Vec3::zeros(), |sum, &pixel| sum + vectors[pixel]).normalize();
-        (Place { normal: mean(&gbuffer.normal), view: mean(&gbuffer.view) }, four[3])
+        let sum = |vectors: &[Vec3]| four.iter().fold(Vec3::zeros(), |sum, &pixel| sum + vectors[pixel]);
+        Place {
+            position: 0.25 * sum(&gbuffer.position),
+            normal: sum(&gbuffer.normal).normalize(),
+            view: sum(&gbuffer.view).normalize(),
+            pixel: of_pixel(four[3]),
+        }
+    }
+
+    fn gathering(&self, material: u16, look_up: LookUp) -> Gathering<'_> {
+        Gathering {
+            shading: self.materials[usize::from(material)].shading.as_ref(),
+            lights: self.lights,
+            look_up,
+            stage: Stage::Shading,
+            seed: self.seed,
+            least_per_light: 0,
+        }
     }
 }
 
@@ -146,36 +174,40 @@ struct Job {
 }
 
 impl Job {
-    fn run(&mut self, shade: &Shade<'_>, points: &[ShadingPoint], radiance: &mut [f32x4]) {
+    /// Shades a part of the list, of one material.
+    fn run(&mut self, pass: &ShadingPass<'_>, part: Range<usize>, radiance: &mut [f32x4]) {
+        let first = part.start;
         for look_up in [LookUp::Exact, LookUp::Filtered] {
+            let with = pass.gathering(pass.points[first].material, look_up);
             let mut lanes = 0;
-            for (n, point) in points.iter().enumerate() {
-                if point.filtered != (look_up == LookUp::Filtered) {
+            for n in part.clone() {
+                if pass.counts.prefiltered[n] != (look_up == LookUp::Filtered) {
                     continue;
                 }
-                let mut taken = 0;
-                let whole = request(shade, point);
-                while taken < point.samples {
-                    let until = point.samples.min(taken + (LANES - lanes) as u32);
-                    self.requests.push(part(&whole, taken..until));
-                    self.of.push(n);
+                let (mut taken, samples) = (0, pass.counts.samples[n]);
+                let place = pass.place(&pass.points[n]);
+                while taken < samples {
+                    let until = samples.min(taken + (LANES - lanes) as u32);
+                    self.requests.push(Request { place, samples, taken: taken..until });
+                    self.of.push(n - first);
                     lanes += (until - taken) as usize;
                     taken = until;
                     if lanes == LANES {
-                        self.flush(shade, points, look_up, radiance);
+                        self.flush(&with, radiance);
                         lanes = 0;
                     }
                 }
             }
-            self.flush(shade, points, look_up, radiance);
+            self.flush(&with, radiance);
         }
     }
 
     /// Takes the samples that have been requested and adds them to their points.
-    fn flush(&mut self, shade: &Shade<'_>, points: &[ShadingPoint], look_up: LookUp, radiance: &mut [f32x4]) {
-        let Some(&first) = self.of.first() else { return };
-        let material = &shade.materials[usize::from(points[first].material)];
-        self.batch.gather(material.shading.as_ref(), shade.light, look_up, &self.requests);
+    fn flush(&mut self, with: &Gathering<'_>, radiance: &mut [f32x4]) {
+        if self.requests.is_empty() {
+            return;
+        }
+        self.batch.gather(with, &self.requests);
         for (n, &point) in self.of.iter().enumerate() {
             let [r, g, b] = self.batch.sum(n);
             radiance[point] += f32x4::from([r, g, b, 0.0]);
@@ -185,25 +217,54 @@ impl Job {
     }
 }
 
-/// All samples of a point.
-fn request(shade: &Shade<'_>, point: &ShadingPoint) -> Request {
-    let (place, pixel) = shade.place(point);
-    let (x, y) = ((pixel % shade.gbuffer.width) as u32, (pixel / shade.gbuffer.width) as u32);
-    let seed = |technique: Technique| seed([x, y], technique as u32, shade.seed);
-    let n = point.samples;
-    let counts = if point.filtered { [n, 0] } else { [n.div_ceil(2), n / 2] };
-    Request {
-        place,
-        seeds: [seed(Technique::Brdf), seed(Technique::Light)],
-        counts,
-        taken: counts.map(|count| 0..count),
-    }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::passes::decision::{EveryPixelPass, State};
+    use crate::passes::pyramid::PyramidPass;
+    use crate::test_scenes::plane;
 
-/// Some of the samples of a point, counted through both techniques.
-fn part(whole: &Request, range: Range<u32>) -> Request {
-    let first = whole.counts[0];
-    let of_brdf = range.start.min(first)..range.end.min(first);
-    let of_light = range.start.max(first) - first..range.end.max(first) - first;
-    Request { taken: [of_brdf, of_light], ..whole.clone() }
+    fn point(level: u8, material: u16, column: u16, row: u16) -> ShadingPoint {
+        ShadingPoint { level, material, column, row }
+    }
+
+    #[test]
+    fn the_list_is_sorted_by_material_level_row_and_column() {
+        // 4 x 4 pixels, the left half of material 1; the lower right block of 2 x 2 is one cell, the pixel above its corner an orphan
+        let mut gbuffer = plane(4, 4, 1.0);
+        (0..16).filter(|pixel| pixel % 4 < 2).for_each(|pixel| gbuffer.material[pixel] = 1);
+        let (mut pyramid, mut decisions) = (SurfacePyramid::default(), Decisions::default());
+        PyramidPass { gbuffer: &gbuffer }.run(&mut pyramid);
+        EveryPixelPass { gbuffer: &gbuffer }.run(&mut decisions);
+        for pixel in [10, 11, 14, 15] {
+            decisions.levels[0].state[pixel] = State::Interpolated;
+        }
+        decisions.levels[0].state[6] = State::Orphan;
+        decisions.levels[1].state[3] = State::Leaf;
+        let mut list = ShadingList::default();
+        ShadingListPass { gbuffer: &gbuffer, decisions: &decisions, pyramid: &pyramid, materials: 2 }.run(&mut list);
+        let right = [(2, 0), (3, 0), (2, 1), (3, 1)].map(|(column, row)| point(0, 0, column, row));
+        let left = (0..8).map(|n| point(0, 1, n % 2, n / 2));
+        let expected: Vec<ShadingPoint> = right.into_iter().chain([point(1, 0, 1, 1)]).chain(left).collect();
+        assert_eq!(list.points, expected);
+    }
+
+    #[test]
+    fn jobs_cover_the_list_and_keep_materials_apart() {
+        let points: Vec<ShadingPoint> = (0..60).map(|n| point(0, u16::from(n >= 25), n, 0)).collect();
+        let counts = SampleCounts { samples: vec![1000; 60], prefiltered: vec![false; 60] };
+        let gbuffer = plane(60, 1, 1.0);
+        let lights = LightSet::default();
+        let pass = ShadingPass {
+            gbuffer: &gbuffer,
+            materials: &[],
+            lights: &lights,
+            seed: 0,
+            points: &points,
+            counts: &counts,
+        };
+        // five points are the first to have 4096 samples
+        let expected: Vec<Range<usize>> = (0..12).map(|n| 5 * n..5 * n + 5).collect();
+        assert_eq!(pass.jobs(), expected);
+    }
 }

@@ -1,4 +1,4 @@
-//! Transport of bandwidth along a path: paper 000, figure 4 and equations (3) and (4).
+//! Transport of bandwidth along a path (Bagher et al. 2013, figure 4 and equations 3 and 4).
 //!
 //! A local light field has a bandwidth in space, cycles per world unit, and one in angle, cycles per radian. Signs are kept along
 //! the path: shears add up or cancel.
@@ -6,82 +6,82 @@
 use nalgebra::{Matrix2, Vector2};
 
 /// Spatial (cycles per world unit) and angular (cycles per radian) bandwidth.
-pub type LocalBandwidth = Vector2<f32>;
+pub(crate) type LocalBandwidth = Vector2<f32>;
 
-/// The largest bandwidth that the printed operators pass on: they break at the infinite one of an edge.
-pub const LARGEST: f32 = 1e4;
+/// The largest bandwidth that the published operators pass on: they break at the infinite one of an edge.
+pub(crate) const LARGEST: f32 = 1e4;
 
 /// Transport over the distance `d`, world units: an angular shear.
 #[must_use]
-pub fn free_space(d: f32) -> Matrix2<f32> {
+pub(crate) fn free_space(d: f32) -> Matrix2<f32> {
     Matrix2::new(1.0, 0.0, -d, 1.0)
 }
 
 /// From the light's frame to that of a surface, whose normal makes the angle with this cosine with the path.
 #[must_use]
-pub fn onto_surface(cos_theta_i: f32) -> Matrix2<f32> {
+pub(crate) fn onto_surface(cos_theta_i: f32) -> Matrix2<f32> {
     Matrix2::new(cos_theta_i, 0.0, 0.0, 1.0)
 }
 
 /// From the frame of a surface to that of the outgoing path: the inverse of [`onto_surface`].
 #[must_use]
-pub fn off_surface(cos_theta_x: f32) -> Matrix2<f32> {
+pub(crate) fn off_surface(cos_theta_x: f32) -> Matrix2<f32> {
     Matrix2::new(1.0 / cos_theta_x, 0.0, 0.0, 1.0)
 }
 
 /// From a plane to a surface of normal curvature `c`, 1 per world unit: a spatial shear.
 #[must_use]
-pub fn curvature(c: f32) -> Matrix2<f32> {
+pub(crate) fn curvature(c: f32) -> Matrix2<f32> {
     Matrix2::new(1.0, c, 0.0, 1.0)
 }
 
 /// Mirror reflection.
 #[must_use]
-pub fn mirror() -> Matrix2<f32> {
+pub(crate) fn mirror() -> Matrix2<f32> {
     Matrix2::new(1.0, 0.0, 0.0, -1.0)
 }
 
 /// How the BRDF limits what it reflects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BandLimit {
+pub(crate) enum BandLimit {
     /// The spectrum is a segment along nu, so a cut of its angular part shortens the whole of it:
     /// `B nu = min(1, rho / |nu_a|) nu + (t, 0)`, the sign of nu_s on t.
     Segment,
-    /// As printed: `B nu = (nu_s + t, min(rho, nu_a))`; what was cut in angle goes on in space.
-    Printed,
+    /// As published: `B nu = (nu_s + t, min(rho, nu_a))`; what was cut in angle goes on in space.
+    Published,
 }
 
 impl BandLimit {
     /// Reflection of the bandwidth `nu` by a BRDF of angular bandwidth `rho` and a texture of spatial bandwidth `t`.
     #[must_use]
-    pub fn apply(self, nu: LocalBandwidth, rho: f32, t: f32) -> LocalBandwidth {
+    pub(crate) fn apply(self, nu: LocalBandwidth, rho: f32, t: f32) -> LocalBandwidth {
         match self {
             Self::Segment => {
                 let share = if nu.y.abs() > rho { rho / nu.y.abs() } else { 1.0 };
                 Vector2::new(share * nu.x + t.copysign(nu.x), share * nu.y)
             }
-            Self::Printed => Vector2::new(nu.x + t, nu.y.abs().min(rho).copysign(nu.y)),
+            Self::Published => Vector2::new(nu.x + t, nu.y.abs().min(rho).copysign(nu.y)),
         }
     }
 }
 
 /// What a path meets between the light and the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounce {
+pub(crate) struct Bounce {
     /// Distance from the light to the surface, world units; does nothing to a distant light.
-    pub d: f32,
+    pub(crate) d: f32,
     /// Distance from the surface to the eye, world units.
-    pub d_eye: f32,
+    pub(crate) d_eye: f32,
     /// Normal curvature of the surface, 1 per world unit, convex above zero.
-    pub c: f32,
+    pub(crate) c: f32,
     /// Cosine of the angle of incidence.
-    pub cos_theta_i: f32,
+    pub(crate) cos_theta_i: f32,
     /// Cosine of the angle of the path to the eye with the normal.
-    pub cos_theta_x: f32,
+    pub(crate) cos_theta_x: f32,
     /// Angular bandwidth of the BRDF for these directions, cycles per radian.
-    pub rho: f32,
+    pub(crate) rho: f32,
     /// Spatial bandwidth of the texture, cycles per world unit.
-    pub t: f32,
+    pub(crate) t: f32,
 }
 
 impl Bounce {
@@ -91,7 +91,7 @@ impl Bounce {
     /// it travels. Without it a flat mirror would undo the transport from the light, `|d - d'|` instead of `d + d'`. A distant
     /// light is the same with and without.
     #[must_use]
-    pub fn transport(&self, nu: LocalBandwidth, limit: BandLimit) -> LocalBandwidth {
+    pub(crate) fn transport(&self, nu: LocalBandwidth, limit: BandLimit) -> LocalBandwidth {
         let arriving = curvature(self.c) * onto_surface(self.cos_theta_i) * mirror() * free_space(self.d) * nu;
         let leaving = off_surface(self.cos_theta_x) * curvature(-self.c) * mirror();
         free_space(self.d_eye) * leaving * limit.apply(arriving, self.rho, self.t)
@@ -117,9 +117,9 @@ mod tests {
         }
 
         #[test]
-        fn the_printed_limit_lets_the_light_pass_into_space(c in 0.0_f32..2.0, rho in 0.1_f32..50.0, light in 0.1_f32..50.0) {
+        fn the_published_limit_lets_the_light_pass_into_space(c in 0.0_f32..2.0, rho in 0.1_f32..50.0, light in 0.1_f32..50.0) {
             // m + d' c (nu_light + m) / cos theta_x
-            let ours = bounce(c, rho).transport(Vector2::new(0.0, light), BandLimit::Printed).y.abs();
+            let ours = bounce(c, rho).transport(Vector2::new(0.0, light), BandLimit::Published).y.abs();
             let m = rho.min(light);
             let expected = m + 5.0 * c * (light + m) / 0.8;
             prop_assert!((ours / expected - 1.0).abs() < 1e-4, "{} {}", ours, expected);
@@ -129,7 +129,7 @@ mod tests {
         fn both_limits_agree_below_the_limit(c in -2.0_f32..2.0, nu_s in -9.0_f32..9.0, nu_a in -9.0_f32..9.0) {
             let nu = Vector2::new(nu_s, nu_a);
             let rho = 1e6;
-            let (a, b) = (bounce(c, rho).transport(nu, BandLimit::Segment), bounce(c, rho).transport(nu, BandLimit::Printed));
+            let (a, b) = (bounce(c, rho).transport(nu, BandLimit::Segment), bounce(c, rho).transport(nu, BandLimit::Published));
             prop_assert!((a - b).norm() <= 1e-4 * (1.0 + a.norm()));
         }
     }

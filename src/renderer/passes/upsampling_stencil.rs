@@ -15,7 +15,7 @@ const CUBIC_NORMAL: f32 = 0.7;
 /// and that lie within this many parent cells of the cell's tangent plane.
 const CUBIC_PLANE: f32 = 2.0;
 /// Depth at which the published depth Gaussian has fallen to 1/e, per unit of depth.
-const PRINTED_DEPTH: f32 = 0.03;
+const PUBLISHED_DEPTH: f32 = 0.03;
 
 /// Catmull-Rom weights along one axis at the quarter position of an even child, for parents X - 2 .. X + 1; an odd child takes
 /// them reversed for X - 1 .. X + 2.
@@ -29,8 +29,8 @@ pub enum Upsampling {
     /// Weights by the distance from each other's tangent plane and by normals; Catmull-Rom on smooth surfaces.
     #[default]
     EdgeAware,
-    /// As printed: Gaussians of depth and of the position, stretched along the projected normal (paper 000, section 3.2).
-    Printed,
+    /// As published: Gaussians of depth and of the position, stretched along the projected normal (Bagher et al. 2013, section 3.2).
+    Published,
 }
 
 /// The level above: its cells, and which of them have a value.
@@ -42,14 +42,14 @@ pub(crate) struct Coarser<'a, F: Fn(usize) -> bool> {
 
 /// Where one cell gets its value from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Parents {
+pub(crate) struct Stencil {
     /// Weights of the four bilinear parents in row order, sum 1.
     pub(crate) weights: [f32; 4],
     /// Whether Catmull-Rom over sixteen parents is used instead.
     pub(crate) cubic: bool,
 }
 
-impl Parents {
+impl Stencil {
     /// The parents of the cell at column and row `at` of level `k` in the level `above`; `None` if none has enough weight.
     pub(crate) fn find(
         cell: &Cell,
@@ -75,8 +75,8 @@ impl Parents {
                     off[n] = cell.plane_distance(parent_cell) / (cell.depth * size);
                     facing[n] = cell.normal.dot(&parent_cell.normal);
                 }
-                Upsampling::Printed => {
-                    let depth = (cell.depth - parent_cell.depth) / (PRINTED_DEPTH * cell.depth);
+                Upsampling::Published => {
+                    let depth = (cell.depth - parent_cell.depth) / (PUBLISHED_DEPTH * cell.depth);
                     off[n] = (depth * depth + stretched(cell, n, at, gbuffer)).sqrt();
                     facing[n] = 1.0;
                 }

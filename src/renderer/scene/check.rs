@@ -1,18 +1,14 @@
 //! What must hold for the values of a scene document, beyond their types.
 
 use crate::scene::document::{
-    AlbedoDocument, CameraDocument, LightDocument, MaterialSource, MeshDocument, ObjectDocument, SceneDocument,
-    SceneMaterial,
+    AlbedoDocument, CameraDocument, MaterialSource, MeshDocument, ObjectDocument, SceneDocument, SceneMaterial,
 };
 use crate::scene::error::{Field, SceneError};
+use crate::scene::values::{SMALLEST_NUMBER, colour, cross, file_name, finite3, length, positive, range, wrong};
 use brdfit_brdf::Ggx;
 
 /// Largest width and height of an image, pixels.
 const LARGEST_IMAGE: usize = 16384;
-/// Largest number of any kind, and largest coordinate of any vertex: fourth powers stay finite in single precision.
-pub(crate) const LARGEST_NUMBER: f64 = 1e9;
-/// Smallest number that counts as a size or a scale above zero.
-const SMALLEST_NUMBER: f64 = 1e-9;
 /// Sine of the smallest angle between the view and up.
 const PARALLEL: f64 = 1e-5;
 /// Most turns of a knot.
@@ -27,7 +23,7 @@ const FINEST_FREQUENCY: f64 = 32.0;
 pub(crate) fn check(document: &SceneDocument) -> Result<(), SceneError> {
     let root = Field::default();
     check_camera(&document.camera, &root.member("camera"))?;
-    check_light(&document.light, &root.member("light"))?;
+    check_lights(document, &root)?;
     let materials = root.member("materials");
     if document.materials.len() >= usize::from(u16::MAX) {
         return wrong(&materials, format!("{} materials; at most {} fit", document.materials.len(), u16::MAX - 1));
@@ -68,17 +64,27 @@ fn check_camera(camera: &CameraDocument, at: &Field) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn check_light(light: &LightDocument, at: &Field) -> Result<(), SceneError> {
-    let (at, rotation, scale) = match light {
-        LightDocument::Environment { file, rotation, scale } => {
-            let at = at.member("environment");
-            file_name(file, &["exr", "hdr"], &at.member("file"))?;
-            (at, *rotation, *scale)
-        }
-        LightDocument::Procedural { rotation, scale, .. } => (at.member("procedural"), *rotation, *scale),
+/// `light` or `lights`.
+fn check_lights(document: &SceneDocument, root: &Field) -> Result<(), SceneError> {
+    let (light, at) = (root.member("light"), root.member("lights"));
+    let lights = match (&document.light, &document.lights) {
+        (Some(only), None) => return only.check(&light),
+        (None, Some(lights)) => lights,
+        (Some(_), Some(_)) => return wrong(&at, "cannot stand beside light; put all lights into the list"),
+        (None, None) => return wrong(root, "there is neither light nor lights; add one of the two"),
     };
-    finite(rotation, &at.member("rotation"))?;
-    positive(scale, &at.member("scale"))
+    if lights.is_empty() {
+        return wrong(&at, "is empty; add a light");
+    }
+    let mut distant = false;
+    for (index, described) in lights.iter().enumerate() {
+        let at = at.element(index);
+        described.check(&at)?;
+        if described.is_distant() && std::mem::replace(&mut distant, true) {
+            return wrong(&at, "is a second environment or procedural light; at most one can be used");
+        }
+    }
+    Ok(())
 }
 
 fn check_material(material: &SceneMaterial, at: &Field) -> Result<(), SceneError> {
@@ -187,59 +193,4 @@ fn tube_within(radius: f64, tube: f64, part: f64, at: &Field) -> Result<(), Scen
     } else {
         wrong(&at.member("tube"), format!("{tube} is not below {}; the surface would meet itself", part * radius))
     }
-}
-
-fn wrong<T>(at: &Field, why: impl Into<String>) -> Result<T, SceneError> {
-    Err(SceneError::document(at, why))
-}
-
-fn finite(value: f64, at: &Field) -> Result<(), SceneError> {
-    if value.abs() <= LARGEST_NUMBER {
-        Ok(())
-    } else {
-        wrong(at, format!("{value:e} is not within -{LARGEST_NUMBER:e} to {LARGEST_NUMBER:e}"))
-    }
-}
-
-fn finite3(values: [f64; 3], at: &Field) -> Result<(), SceneError> {
-    values.iter().enumerate().try_for_each(|(index, &value)| finite(value, &at.element(index)))
-}
-
-fn positive(value: f64, at: &Field) -> Result<(), SceneError> {
-    finite(value, at)?;
-    if value >= SMALLEST_NUMBER { Ok(()) } else { wrong(at, format!("{value} is not at least {SMALLEST_NUMBER:e}")) }
-}
-
-fn range(value: f64, from: f64, to: f64, at: &Field) -> Result<(), SceneError> {
-    if (from..=to).contains(&value) { Ok(()) } else { wrong(at, format!("{value} is not in {from} to {to}")) }
-}
-
-fn colour(values: [f64; 3], at: &Field) -> Result<(), SceneError> {
-    values.iter().enumerate().try_for_each(|(index, &value)| range(value, 0.0, 1e6, &at.element(index)))
-}
-
-/// A name that is not empty and has one of `extensions`, if there are any.
-fn file_name(name: &str, extensions: &[&str], at: &Field) -> Result<(), SceneError> {
-    if name.is_empty() {
-        return wrong(at, "is empty");
-    }
-    let extension = extension(name);
-    if extensions.is_empty() || extensions.contains(&extension.as_str()) {
-        Ok(())
-    } else {
-        wrong(at, format!("{name:?} does not end in .{}", extensions.join(" or .")))
-    }
-}
-
-/// The extension of a file name in lower case.
-pub(crate) fn extension(name: &str) -> String {
-    std::path::Path::new(name).extension().map(|text| text.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

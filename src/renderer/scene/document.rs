@@ -1,12 +1,16 @@
 //! The document that describes a scene, as people write it.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use crate::lights::procedural::Procedural;
+use crate::lights::document::LightDocument;
+use crate::lights::light_set::NearLight;
+use crate::lights::octahedral_light::Light;
+use crate::scene::error::{Field, SceneError};
 
 /// A scene: what is seen from where, of which materials, under which light. World: right-handed, +z up. Lengths share one unit of
 /// any size, angles are in degrees, colours are linear R, G, B with the primaries of sRGB. File names are relative to the folder of the scene.
@@ -19,8 +23,12 @@ pub struct SceneDocument {
     pub schema: Option<String>,
     /// From where the scene is seen.
     pub camera: CameraDocument,
-    /// The light, at infinite distance.
-    pub light: LightDocument,
+    /// The only light. Either this or `lights`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub light: Option<LightDocument>,
+    /// The lights, one at least, whose radiances add up; of `environment` and `procedural` one at most.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lights: Option<Vec<LightDocument>>,
     /// The materials by name.
     pub materials: BTreeMap<String, SceneMaterial>,
     /// The surfaces.
@@ -44,34 +52,6 @@ pub struct CameraDocument {
     pub width: usize,
     /// Rows, 1 to 16384.
     pub height: usize,
-}
-
-/// What the light is.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum LightDocument {
-    /// A picture of all directions by latitude and longitude: the upper row is +z, the middle column +x, +y lies left of it.
-    Environment {
-        /// OpenEXR (.exr) or Radiance (.hdr).
-        file: String,
-        /// Turn about +z, degrees, counter-clockwise seen from above.
-        #[serde(default)]
-        rotation: f64,
-        /// What the radiance is multiplied by.
-        #[serde(default = "one")]
-        scale: f64,
-    },
-    /// A light that the program makes.
-    Procedural {
-        /// Which.
-        kind: Procedural,
-        /// Turn about +z, degrees, counter-clockwise seen from above.
-        #[serde(default)]
-        rotation: f64,
-        /// What the radiance is multiplied by.
-        #[serde(default = "one")]
-        scale: f64,
-    },
 }
 
 /// A material.
@@ -98,9 +78,10 @@ pub enum MaterialSource {
     Measured {
         /// A file in the MERL format.
         file: String,
-        /// Where inside its cell a tabulated value lies.
-        #[serde(default)]
-        sample_position: SampleLocation,
+        /// Where inside its cell a tabulated value lies; left out: as the format has it, `edge` for MERL files.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "SampleLocation")]
+        sample_position: Option<SampleLocation>,
     },
     /// A material that the program carries with it, by its name.
     Embedded(String),
@@ -119,11 +100,10 @@ pub enum MaterialSource {
 }
 
 /// Where inside its cell a tabulated value of a measurement lies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SampleLocation {
     /// At the lower edge of the cell.
-    #[default]
     Edge,
     /// At the middle of the cell.
     Centre,
@@ -301,5 +281,28 @@ impl SceneDocument {
     #[must_use]
     pub fn schema() -> Schema {
         SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Self>()
+    }
+
+    /// The lights, in the order of the document.
+    pub(crate) fn lights(&self) -> impl Iterator<Item = &LightDocument> {
+        self.light.iter().chain(self.lights.iter().flatten())
+    }
+
+    /// The lights at a finite distance, in the order of the document, which has been checked.
+    #[must_use]
+    pub fn near_lights(&self) -> Vec<NearLight> {
+        self.lights().filter_map(LightDocument::near).collect()
+    }
+
+    /// The light at infinite distance, if there is one, with `n x n` texels; `folder` is what its file name is relative to.
+    ///
+    /// # Errors
+    /// [`SceneError`] for a file that cannot be read or used, and for a size that [`Light`] does not have.
+    pub fn environment(&self, folder: &Path, n: usize) -> Result<Option<Light>, SceneError> {
+        let root = Field::default();
+        let list = root.member("lights");
+        let listed = self.lights.iter().flatten().enumerate().map(|(index, light)| (light, list.element(index)));
+        let mut described = self.light.iter().map(|light| (light, root.member("light"))).chain(listed);
+        described.find_map(|(light, at)| light.distant(folder, n, &at).transpose()).transpose()
     }
 }

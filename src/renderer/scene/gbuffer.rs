@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::Vec3;
-use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
+use crate::geometry::gbuffer::{BACKGROUND, GBuffer, Surfaces, Viewpoint};
+use crate::geometry::vec3::Vec3;
 use crate::scene::Scene;
 use crate::shapes::intersection::Ray;
 
@@ -22,18 +22,13 @@ struct Surface {
 }
 
 impl Scene {
-    /// What is visible at the centre of each pixel. Rows are spread over the threads of the current pool; the result is the same for
+    /// What is visible at the centre of each pixel; one that shows a light at a finite distance counts as background. Rows are spread over the threads of the current pool; the result is the same for
     /// every number of them.
     #[must_use]
     pub fn gbuffer(&self) -> GBuffer {
         let (width, height) = (self.camera.width, self.camera.height);
         let pixels = width * height;
-        let mut buffer = GBuffer {
-            width,
-            height,
-            pixel_angle: self.camera.pixel_angle,
-            eye: self.camera.eye,
-            axes: self.camera.axes(),
+        let mut buffers = Surfaces {
             position: vec![Vec3::zeros(); pixels],
             normal: vec![Vec3::zeros(); pixels],
             view: vec![Vec3::zeros(); pixels],
@@ -43,13 +38,13 @@ impl Scene {
             albedo: vec![[0.0; 3]; pixels],
         };
         let rows = (
-            buffer.position.par_chunks_mut(width),
-            buffer.normal.par_chunks_mut(width),
-            buffer.view.par_chunks_mut(width),
-            buffer.depth.par_chunks_mut(width),
-            buffer.material.par_chunks_mut(width),
-            buffer.uv.par_chunks_mut(width),
-            buffer.albedo.par_chunks_mut(width),
+            buffers.position.par_chunks_mut(width),
+            buffers.normal.par_chunks_mut(width),
+            buffers.view.par_chunks_mut(width),
+            buffers.depth.par_chunks_mut(width),
+            buffers.material.par_chunks_mut(width),
+            buffers.uv.par_chunks_mut(width),
+            buffers.albedo.par_chunks_mut(width),
         );
         rows.into_par_iter().enumerate().for_each_init(
             Vec::new,
@@ -69,12 +64,15 @@ impl Scene {
                 }
             },
         );
-        buffer
+        let viewpoint =
+            Viewpoint { eye: self.camera.eye, axes: self.camera.axes(), pixel_angle: self.camera.pixel_angle };
+        GBuffer::new(width, height, viewpoint, buffers).expect("the size of the image has been checked")
     }
 
     /// The surface at the centre of a pixel.
     fn surface(&self, x: usize, y: usize, waiting: &mut Vec<(usize, f32)>) -> Option<Surface> {
-        let ray = Ray::new(self.camera.eye, self.camera.direction(x as f64 + 0.5, y as f64 + 0.5));
+        let direction = self.camera.direction(x as f64 + 0.5, y as f64 + 0.5);
+        let ray = Ray::new(self.camera.eye, direction);
         let (triangle, hit) = self.visibility.first(&self.mesh, &ray, waiting)?;
         let corners = self.mesh.triangles[triangle].map(|vertex| vertex as usize);
         let mix = |values: &[Vec3]| {
@@ -84,6 +82,9 @@ impl Scene {
         let position = mix(&self.mesh.positions);
         let to_eye = self.camera.eye - position;
         let depth = to_eye.norm();
+        if self.near_lights.nearest(self.camera.eye, direction).is_some_and(|light| light.distance < depth) {
+            return None;
+        }
         let view = to_eye / depth;
         let uv =
             std::array::from_fn(|k| (0..3).map(|corner| self.mesh.uv[corners[corner]][k] * hit.weights[corner]).sum());

@@ -9,19 +9,23 @@ pub(crate) mod error;
 pub(crate) mod gbuffer;
 pub(crate) mod reading;
 pub(crate) mod texture;
+pub(crate) mod values;
 
 use std::fmt;
 use std::path::Path;
 
+pub use crate::lights::document::LightDocument;
 pub use document::{
-    AlbedoDocument, CameraDocument, LightDocument, MaterialSource, MeshDocument, ObjectDocument, SampleLocation,
-    SceneDocument, SceneMaterial, UpAxis,
+    AlbedoDocument, CameraDocument, MaterialSource, MeshDocument, ObjectDocument, SampleLocation, SceneDocument,
+    SceneMaterial, UpAxis,
 };
 pub use error::{Field, SceneError};
 
-use crate::scene::check::{LARGEST_NUMBER, check, extension};
+use crate::lights::light_set::LightSet;
+use crate::scene::check::check;
 use crate::scene::error::FileError;
 use crate::scene::texture::{Albedo, Texture};
+use crate::scene::values::{LARGEST_NUMBER, extension};
 use crate::shapes::camera::Camera;
 use crate::shapes::mesh::Mesh;
 use crate::shapes::placement::Placement;
@@ -41,6 +45,8 @@ pub struct Scene {
     /// The material of each triangle.
     triangle_materials: Vec<u16>,
     visibility: VisibleSurfaces,
+    /// Those that the camera sees.
+    near_lights: LightSet,
     materials: Vec<String>,
     albedo: Vec<Albedo>,
 }
@@ -84,7 +90,9 @@ impl Scene {
             mesh.append(part);
         }
         let visibility = VisibleSurfaces::new(&mesh);
-        Ok(Self { camera: Camera::new(&document.camera), mesh, triangle_materials, visibility, materials, albedo })
+        let near_lights = LightSet::new(None, document.near_lights());
+        let camera = Camera::new(&document.camera);
+        Ok(Self { camera, mesh, triangle_materials, visibility, near_lights, materials, albedo })
     }
 
     /// The camera.

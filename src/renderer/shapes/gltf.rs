@@ -11,7 +11,7 @@ use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic, buffer};
 use nalgebra::{Matrix3, Vector4};
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::lights::error::reason;
 use crate::scene::error::FileError;
 use crate::shapes::mesh::Mesh;

@@ -1,6 +1,6 @@
 //! Where a ray meets a triangle.
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 
 /// A ray with what its intersections share. Watertight: a ray through a common edge or vertex of triangles meets one of them. S. Woop, C.
 /// Benthin and I. Wald, "Watertight ray/triangle intersection", 2013.

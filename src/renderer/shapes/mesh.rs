@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::scene::error::FileError;
 use crate::shapes::placement::Placement;
 

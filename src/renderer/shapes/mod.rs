@@ -2,9 +2,9 @@
 
 pub(crate) mod camera;
 pub(crate) mod gltf;
+pub(crate) mod gradient_noise;
 pub(crate) mod intersection;
 pub(crate) mod mesh;
-pub(crate) mod noise;
 pub(crate) mod obj;
 pub(crate) mod patch;
 pub(crate) mod placement;

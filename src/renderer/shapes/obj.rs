@@ -1,6 +1,6 @@
 //! Wavefront OBJ files.
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::scene::error::FileError;
 use crate::shapes::mesh::Mesh;
 

@@ -2,15 +2,15 @@
 
 use nalgebra::Vector3;
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::shapes::mesh::Mesh;
 
 /// A grid over (u, v) in [0, 1]^2.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Patch {
-    /// Cells along u.
+    /// Quads along u.
     pub(crate) columns: usize,
-    /// Cells along v.
+    /// Quads along v.
     pub(crate) rows: usize,
     /// Whether u = 1 is the same line as u = 0.
     pub(crate) closed_u: bool,
@@ -20,12 +20,12 @@ pub(crate) struct Patch {
 
 impl Patch {
     /// The mesh of `surface`, which gives position and unit normal at (u, v), with (u, v) as texture coordinates. Where the patch is closed,
-    /// both sides of the seam have the same positions to the last bit. Two triangles per cell; those of the cells that end in a
+    /// both sides of the seam have the same positions to the last bit. Two triangles per quad; those of the quads that end in a
     /// pole have no area on one side.
     pub(crate) fn mesh(&self, surface: impl Fn(f64, f64) -> (Vector3<f64>, Vector3<f64>)) -> Mesh {
         let mut mesh = Mesh::default();
-        let place = |index: usize, cells: usize, closed: bool| {
-            (if closed { index % cells } else { index }) as f64 / cells as f64
+        let place = |index: usize, quads: usize, closed: bool| {
+            (if closed { index % quads } else { index }) as f64 / quads as f64
         };
         for row in 0..=self.rows {
             for column in 0..=self.columns {

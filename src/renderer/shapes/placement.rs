@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::Vec3;
+use crate::geometry::vec3::Vec3;
 use crate::scene::document::{ObjectDocument, UpAxis};
 
 /// A similarity or, for the nodes of glTF, any affine map, with the matrix that keeps normals normal.

@@ -4,11 +4,11 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
 
+use crate::shapes::gradient_noise::GradientNoise;
 use crate::shapes::mesh::Mesh;
-use crate::shapes::noise::Noise;
 use crate::shapes::patch::Patch;
 
-/// Cells of the sphere along u and v: 0.7 degrees. Interpolated normals are exact on a sphere, whatever its cells.
+/// Cells of the sphere along u and v: 0.7 degrees. Interpolated normals are exact on a sphere, whatever its quads.
 const SPHERE_ROWS: usize = 256;
 /// Cells from pole to pole of a displaced sphere per unit of the finest frequency, and the limits of their number.
 const ROWS_PER_FREQUENCY: f64 = 64.0;
@@ -44,7 +44,7 @@ impl DisplacedSphere {
         let (mut value, mut gradient) = (0.0, Vector3::zeros());
         let (mut gain, mut frequency, mut total) = (1.0, self.frequency, 0.0);
         for octave in 0..self.octaves {
-            let noise = Noise::new(self.seed.wrapping_mul(8).wrapping_add(octave));
+            let noise = GradientNoise::new(self.seed.wrapping_mul(8).wrapping_add(octave));
             let (n, slope) = noise.at(d * frequency);
             value += gain * n;
             gradient += slope * (gain * frequency);

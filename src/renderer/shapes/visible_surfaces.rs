@@ -106,7 +106,7 @@ fn enter(ray: &Ray, bounds: &Aabb<f32, 3>, limit: f32) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Vec3;
+    use crate::geometry::vec3::Vec3;
     use crate::shapes::sphere::DisplacedSphere;
 
     #[test]

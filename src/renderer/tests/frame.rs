@@ -1,10 +1,10 @@
 //! Whole frames: what must hold whatever is rendered.
 
-use brdfit_bandwidth::{Atlas, AtlasChannels, Layout, LobeGrid, LobeOptions, SIZE, compute_atlas};
+use brdfit_bandwidth::{Atlas, AtlasChannels, Layout, LobeGrid, LobeOptions, compute_atlas};
 use brdfit_brdf::{Brdf, GgxMaterial, Lambert, SgdMaterial, SgdParameters};
 use brdfit_renderer::{
-    BACKGROUND, Budget, Differentials, FrameStatistics, GBuffer, Geometry, Light, LightBandwidth, Material, Mode,
-    Prefilter, Procedural, RenderOptions, Renderer, Scene, SceneDocument, Upsampling, View,
+    BACKGROUND, Backend, Bandwidth, Budget, Cpu, Frame, FrameInput, GBuffer, Geometry, LayerGroup, Light, LightSet,
+    Material, Mode, Prefilter, Procedural, RenderOptions, Scene, SceneDocument, Upsampling,
 };
 
 /// A sphere on a plane with a chequerboard, two materials.
@@ -28,12 +28,7 @@ fn gbuffer(scene: &str) -> GBuffer {
 
 fn atlas(brdf: &dyn Brdf) -> Atlas {
     let options = LobeOptions { max_resolution: 256, ..LobeOptions::default() };
-    compute_atlas(brdf, true, Layout::Isotropic, AtlasChannels::Max, &LobeGrid::default(), &options).unwrap().0
-}
-
-/// Of a material that reflects the same everywhere.
-fn flat_atlas() -> Atlas {
-    Atlas::from_level0(Layout::Isotropic, AtlasChannels::Max, vec![0.0; SIZE * SIZE]).unwrap()
+    compute_atlas(brdf, Layout::Isotropic, AtlasChannels::Max, &LobeGrid::default(), &options).unwrap().0
 }
 
 fn paint() -> SgdMaterial {
@@ -41,18 +36,9 @@ fn paint() -> SgdMaterial {
     SgdMaterial::new([channel(0.2), channel(0.05), channel(0.04)]).unwrap()
 }
 
-fn render(
-    gbuffer: &GBuffer,
-    light: &Light,
-    materials: &[(&dyn Brdf, &Atlas)],
-    options: &RenderOptions,
-) -> (Vec<[f32; 3]>, FrameStatistics) {
-    let mut differentials = Differentials::default();
-    differentials.compute(gbuffer);
-    let light_bandwidth = LightBandwidth::new(light);
-    let materials: Vec<Material<'_>> = materials.iter().map(|&(brdf, atlas)| Material::new(brdf, atlas)).collect();
-    let (differentials, light_bandwidth, materials) = (&differentials, &light_bandwidth, &materials[..]);
-    Renderer::default().render(&View { gbuffer, differentials, materials, light, light_bandwidth }, options)
+fn render(gbuffer: &GBuffer, light: &Light, materials: &[Material<'_>], options: &RenderOptions) -> Frame {
+    let input = FrameInput::new(gbuffer.clone(), materials.to_vec(), LightSet::from(light.clone())).unwrap();
+    Cpu.render(&mut Cpu.prepare(input), options).unwrap()
 }
 
 #[test]
@@ -60,7 +46,8 @@ fn the_number_of_threads_changes_nothing() {
     let gbuffer = gbuffer(SCENE);
     let light = Procedural::Sky.light(128);
     let (paint, grey) = (paint(), Lambert { albedo: [0.6; 3] });
-    let (sharp, flat) = (atlas(&paint), flat_atlas());
+    let sharp = atlas(&paint);
+    let materials = [Material::new(&paint, Bandwidth::Atlas(&sharp)), Material::diffuse(&grey)];
     let default = RenderOptions::default();
     for options in [
         default,
@@ -69,17 +56,16 @@ fn the_number_of_threads_changes_nothing() {
         RenderOptions { mode: Mode::Reference, ..default },
         RenderOptions {
             budget: Budget::TargetError(0.1),
-            upsampling: Upsampling::Printed,
+            upsampling: Upsampling::Published,
             pilot_samples: 600,
             ..default
         },
     ] {
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let (image, statistics) =
-                pool.install(|| render(&gbuffer, &light, &[(&paint, &sharp), (&grey, &flat)], &options));
-            let bits: Vec<[u32; 3]> = image.into_iter().map(|pixel| pixel.map(f32::to_bits)).collect();
-            (bits, statistics.shading_samples, statistics.shaded)
+            let frame = pool.install(|| render(&gbuffer, &light, &materials, &options));
+            let bits: Vec<[u32; 3]> = frame.radiance.into_iter().map(|pixel| pixel.map(f32::to_bits)).collect();
+            (bits, frame.statistics.shading_samples, frame.statistics.shaded)
         };
         let one = on(1);
         assert!(one == on(2) && one == on(5), "{options:?}");
@@ -93,18 +79,18 @@ fn a_white_furnace_shows_the_albedo() {
     let light = Procedural::Uniform.light(64);
     let (grey, mirror) =
         (Lambert { albedo: [0.6, 0.3, 0.1] }, GgxMaterial::without_fresnel([0.0; 3], [1.0; 3], 0.3).unwrap());
-    let flat = flat_atlas();
+    let materials = [Material::diffuse(&grey), Material::new(&mirror, Bandwidth::Constant(0.0))];
     for mode in [Mode::Adaptive, Mode::AdaptivePixels, Mode::AdaptiveCounts, Mode::Reference] {
         let options = RenderOptions { mode, budget: Budget::SamplesPerPixel(64.0), ..RenderOptions::default() };
-        let (image, _) = render(&gbuffer, &light, &[(&grey, &flat), (&mirror, &flat)], &options);
+        let image = render(&gbuffer, &light, &materials, &options).radiance;
         let (mut sum, mut count) = ([0.0_f64; 3], 0.0);
-        for (pixel, &material) in gbuffer.material.iter().enumerate() {
+        for (pixel, &material) in gbuffer.material().iter().enumerate() {
             match material {
                 0 => {
                     sum = std::array::from_fn(|c| sum[c] + f64::from(image[pixel][c]));
                     count += 1.0;
                 }
-                1 => assert!((0..3).all(|c| image[pixel][c] <= 1.1 * gbuffer.albedo[pixel][c]), "{:?}", image[pixel]),
+                1 => assert!((0..3).all(|c| image[pixel][c] <= 1.1 * gbuffer.albedo()[pixel][c]), "{:?}", image[pixel]),
                 BACKGROUND => assert_eq!(image[pixel], [0.0; 3]),
                 _ => unreachable!(),
             }
@@ -120,22 +106,22 @@ fn every_mode_spends_its_budget_and_approaches_the_reference() {
     let gbuffer = gbuffer(SCENE);
     let light = Procedural::Studio.light(128);
     let (paint, grey) = (paint(), Lambert { albedo: [0.6; 3] });
-    let (sharp, flat) = (atlas(&paint), flat_atlas());
-    let materials: [(&dyn Brdf, &Atlas); 2] = [(&paint, &sharp), (&grey, &flat)];
+    let sharp = atlas(&paint);
+    let materials = [Material::new(&paint, Bandwidth::Atlas(&sharp)), Material::diffuse(&grey)];
     let at = |mode, spp, seed| {
         let options = RenderOptions { mode, budget: Budget::SamplesPerPixel(spp), seed, ..RenderOptions::default() };
         render(&gbuffer, &light, &materials, &options)
     };
-    let (reference, _) = at(Mode::Reference, 1024.0, 9);
+    let reference = at(Mode::Reference, 1024.0, 9).radiance;
     let error = |image: &[[f32; 3]]| -> f64 {
         let pairs = image.iter().flatten().zip(reference.iter().flatten());
         pairs.map(|(x, y)| f64::from((x - y).powi(2) / (y * y + 0.01))).sum::<f64>() / image.len() as f64
     };
     for mode in [Mode::Adaptive, Mode::AdaptivePixels, Mode::AdaptiveCounts] {
-        let (image, statistics) = at(mode, 32.0, 1);
+        let Frame { radiance: image, statistics } = at(mode, 32.0, 1);
         let per_pixel = statistics.shading_samples as f64 / statistics.foreground as f64;
         assert!((per_pixel / 32.0 - 1.0).abs() < 0.02, "{mode:?}: {per_pixel}");
-        let (constant, _) = at(Mode::Reference, 32.0, 1);
+        let constant = at(Mode::Reference, 32.0, 1).radiance;
         let (ours, theirs) = (error(&image), error(&constant));
         println!("{mode:?}: relative error {ours:.2e}, constant {theirs:.2e}, shaded {:?}", statistics.shaded);
         assert!(ours < 0.03, "{mode:?}: {ours}");
@@ -155,20 +141,13 @@ fn operators_agree_with_the_mirror_direction_at_the_centre_of_a_sphere() {
     let paint = paint();
     let sharp = atlas(&paint);
     let bandwidth = |geometry| {
-        let mut differentials = Differentials::default();
-        differentials.compute(&gbuffer);
-        let light_bandwidth = LightBandwidth::new(&light);
-        let materials = [Material::new(&paint, &sharp), Material::new(&paint, &sharp)];
-        let view = View {
-            gbuffer: &gbuffer,
-            differentials: &differentials,
-            materials: &materials,
-            light: &light,
-            light_bandwidth: &light_bandwidth,
-        };
-        let mut renderer = Renderer::default();
-        renderer.render(&view, &RenderOptions { geometry, ..RenderOptions::default() });
-        renderer.bandwidth_buffer.bandwidth[48 * 97 + 48]
+        let materials = vec![Material::new(&paint, Bandwidth::Atlas(&sharp)); 2];
+        let mut frame =
+            Cpu.prepare(FrameInput::new(gbuffer.clone(), materials, LightSet::from(light.clone())).unwrap());
+        Cpu.render(&mut frame, &RenderOptions { geometry, ..RenderOptions::default() }).unwrap();
+        let layers = Cpu.layers(&frame, LayerGroup::Bandwidth);
+        assert_eq!(layers[0].name(), "bandwidth");
+        layers[0].planes()[0].1[48 * 97 + 48]
     };
     let (reflected, operators) = (bandwidth(Geometry::Reflected), bandwidth(Geometry::Operators));
     println!("reflected {reflected}, operators {operators} cycles per pixel");

@@ -2,19 +2,14 @@
 
 use brdfit_renderer::{Light, Procedural, Vec3, octahedral, sobol};
 
+#[path = "checks/chi_square.rs"]
+mod chi_square;
+
+use chi_square::{SIGNIFICANCE, p_value};
+
 const N: usize = 64;
 /// Bins along a side, blocks of 4 x 4 texels.
 const BINS: usize = 16;
-/// A correct sampler fails with this probability per light; the points are fixed, so it passes always or never.
-const SIGNIFICANCE: f64 = 1e-3;
-
-/// Independent numbers: the first point of as many sequences.
-fn independent(seed: u32) -> [f32; 2] {
-    let mut u = [[0.0], [0.0]];
-    let [a, b] = &mut u;
-    sobol::fill(sobol::mix(seed), 0, [a, b]);
-    [u[0][0], u[1][0]]
-}
 
 fn bin(d: Vec3) -> usize {
     let [column, row] = octahedral::direction_to_square(d).map(|x| ((x * BINS as f32) as usize).min(BINS - 1));
@@ -35,37 +30,6 @@ fn expected(light: &Light) -> Vec<f64> {
     mass
 }
 
-/// The probability of a chi-square value this large or larger: Wilson and Hilferty's normal approximation, 1931, better than 1e-3 from
-/// 30 degrees of freedom on.
-fn p_value(chi_square: f64, degrees: f64) -> f64 {
-    let variance = 2.0 / (9.0 * degrees);
-    let z = ((chi_square / degrees).cbrt() - (1.0 - variance)) / variance.sqrt();
-    0.5 * libm::erfc(z / std::f64::consts::SQRT_2)
-}
-
-/// Pearson's statistic; bins in which fewer than five draws are expected are joined.
-fn test(counts: &[u32], expected: &[f64], draws: f64) -> f64 {
-    let (mut sum, mut bins, mut rest) = (0.0, 0.0, (0.0, 0.0));
-    let mut add = |count: f64, mean: f64| {
-        sum += (count - mean) * (count - mean) / mean;
-        bins += 1.0;
-    };
-    for (&count, &probability) in counts.iter().zip(expected) {
-        let mean = probability * draws;
-        if mean >= 5.0 {
-            add(count.into(), mean);
-        } else {
-            rest = (rest.0 + f64::from(count), rest.1 + mean);
-        }
-    }
-    if rest.1 >= 5.0 {
-        add(rest.0, rest.1);
-    } else {
-        assert!(rest.0 < 25.0, "{} draws where {} are expected", rest.0, rest.1);
-    }
-    p_value(sum, bins - 1.0)
-}
-
 fn single_texel() -> Light {
     let mut texels = vec![[0.01; 3]; N * N];
     texels[0] = [500.0, 400.0, 100.0];
@@ -80,9 +44,9 @@ fn samples_follow_the_density() {
     for (name, light) in lights.into_iter().chain([("single texels".to_owned(), single_texel())]) {
         let mut counts = vec![0; BINS * BINS];
         for n in 0..draws {
-            counts[bin(light.sample(independent(n)))] += 1;
+            counts[bin(light.sample(chi_square::independent(n)))] += 1;
         }
-        let p = test(&counts, &expected(&light), draws.into());
+        let p = p_value(&counts, &expected(&light), draws.into());
         assert!(p > SIGNIFICANCE, "{name}: p = {p}");
     }
 }
@@ -93,9 +57,9 @@ fn the_test_can_fail() {
     let (light, other) = (Procedural::Studio.light(N), Procedural::Sky.light(N));
     let mut counts = vec![0; BINS * BINS];
     for n in 0..20_000 {
-        counts[bin(light.sample(independent(n)))] += 1;
+        counts[bin(light.sample(chi_square::independent(n)))] += 1;
     }
-    assert!(test(&counts, &expected(&other), 20_000.0) < 1e-6);
+    assert!(p_value(&counts, &expected(&other), 20_000.0) < 1e-6);
 }
 
 /// The mean of radiance over density is the integral of the radiance, for low-discrepancy points.

@@ -6,26 +6,26 @@ use nalgebra::Vector3;
 /// and M. Olano, "Hash functions for GPU rendering", 2020) instead of a table. Zero at lattice points, within -1..1; second
 /// derivatives are continuous, thus curvatures of what it displaces.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Noise {
+pub(crate) struct GradientNoise {
     seed: u32,
 }
 
-impl Noise {
+impl GradientNoise {
     pub(crate) fn new(seed: u32) -> Self {
         Self { seed }
     }
 
     /// The value at `p` and its gradient.
     pub(crate) fn at(&self, p: Vector3<f64>) -> (f64, Vector3<f64>) {
-        let cell = p.map(f64::floor);
-        let t = p - cell;
+        let origin = p.map(f64::floor);
+        let t = p - origin;
         let fade = t.map(|t| t * t * t * (t * (6.0 * t - 15.0) + 10.0));
         let slope = t.map(|t| 30.0 * t * t * (t - 1.0) * (t - 1.0));
         let (mut value, mut gradient) = (0.0, Vector3::zeros());
         for corner in 0..8 {
             let bits = [corner & 1, corner >> 1 & 1, corner >> 2 & 1];
             let offset = Vector3::from(bits.map(f64::from));
-            let g = self.lattice(cell + offset);
+            let g = self.lattice(origin + offset);
             let linear = g.dot(&(t - offset));
             let weights: [f64; 3] = std::array::from_fn(|k| if bits[k] == 1 { fade[k] } else { 1.0 - fade[k] });
             let weight = weights[0] * weights[1] * weights[2];
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn the_gradient_is_that_of_the_values() {
-        let noise = Noise::new(5);
+        let noise = GradientNoise::new(5);
         let step = 1e-5;
         for p in places() {
             let (_, gradient) = noise.at(p);
@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn values_are_bounded_balanced_and_zero_on_the_lattice() {
-        let noise = Noise::new(0);
+        let noise = GradientNoise::new(0);
         let values: Vec<f64> = places().map(|p| noise.at(p).0).collect();
         assert!(values.iter().all(|value| value.abs() <= 1.0));
         let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn it_is_smooth_across_cells() {
-        let noise = Noise::new(9);
+        let noise = GradientNoise::new(9);
         for k in 0..100 {
             let p = Vector3::new(f64::from(k % 7), 0.1 * f64::from(k), 0.37 * f64::from(k));
             let d = Vector3::new(1e-9, 0.0, 0.0);
