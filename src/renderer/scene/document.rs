@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::lights::document::LightDocument;
 use crate::lights::light_set::NearLight;
-use crate::lights::octahedral_light::Light;
+use crate::lights::octahedral::light::Light;
 use crate::scene::error::{Field, SceneError};
 
 /// A scene: what is seen from where, of which materials, under which light. World: right-handed, +z up. Lengths share one unit of

@@ -11,8 +11,8 @@ use brdfit_renderer::{
     finite_or_minus_one, shown,
 };
 
-use crate::jobs::render_frame::RenderedScene;
-use crate::jobs::render_plan::RenderPlan;
+use crate::jobs::render::frame::RenderedScene;
+use crate::jobs::render::plan::RenderPlan;
 use crate::report::shading_map;
 use crate::results::output;
 use crate::terminal::exit_code::Problem;
