@@ -48,10 +48,10 @@ pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Pr
     if let Some(path) = &files.map {
         write_map(path, "", rendered)?;
     }
-    if let Some(path) = &files.light_map {
-        if let Some((light, bandwidth)) = scene.input().lights().environment() {
-            encoded(path, light_map(light, bandwidth))?;
-        }
+    if let Some(path) = &files.light_map
+        && let Some((light, bandwidth)) = scene.input().lights().environment()
+    {
+        encoded(path, light_map(light, bandwidth))?;
     }
     Ok(())
 }
