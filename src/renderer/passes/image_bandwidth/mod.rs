@@ -23,9 +23,10 @@ pub enum Geometry {
     /// Times the speed at which the mirror direction passes over the image, in both directions of the surface.
     #[default]
     Reflected,
-    /// The operators of Bagher et al. 2013, figure 4, each path by itself, with [`BandLimit::Segment`].
+    /// The operators of Bagher et al. 2013, figure 4, each path by itself; a band limit
+    /// shortens the whole spectrum, a segment, and not its angular part alone.
     Operators,
-    /// The operators as published: [`BandLimit::Published`].
+    /// The operators as published: a band limit cuts the angular part and leaves the spatial one.
     OperatorsPublished,
 }
 
