@@ -113,7 +113,7 @@ impl Rectangle {
     }
 
     #[inline(always)]
-    fn from_corner(&self, [x, y, z]: [f32x8; 3]) -> [f32x8; 3] {
+    fn relative_to_corner(&self, [x, y, z]: [f32x8; 3]) -> [f32x8; 3] {
         self.local([x - self.corner.x, y - self.corner.y, z - self.corner.z])
     }
 
@@ -125,7 +125,7 @@ impl Rectangle {
 
     #[inline(always)]
     fn hits(&self, position: [f32x8; 3], direction: [f32x8; 3]) -> Hits {
-        let from = self.from_corner(position);
+        let from = self.relative_to_corner(position);
         let [along, across, up] = self.local(direction);
         let front = from[2].simd_gt(f32x8::ZERO) & up.simd_lt(f32x8::ZERO);
         let distance = from[2] / -up;
@@ -137,7 +137,7 @@ impl Rectangle {
     /// Directions to places on the rectangle.
     #[inline(always)]
     fn eight_samples(&self, position: [f32x8; 3], u: [f32x8; 2]) -> [f32x8; 3] {
-        let from = self.from_corner(position);
+        let from = self.relative_to_corner(position);
         let seen = self.seen_from(from);
         let solid_angle = seen.solid_angle();
         let by_angle = seen.place(solid_angle, u);

@@ -51,7 +51,7 @@ fn in_words(error: &serde_json::Error) -> String {
         // valid JSON, but no name of a choice, or an object with none or several of them
         return format!("expected exactly one of the choices that the schema lists,{place}");
     }
-    if what == "invalid type: unit variant, expected struct variant" {
+    if what.starts_with("invalid type: unit variant, expected ") {
         return format!("expected an object with that name as its one member,{place}");
     }
     let Some((found, wanted)) = what.split_once(", expected ") else { return message };
@@ -109,6 +109,7 @@ mod tests {
                 "{ \"light\": { \"procedural\": { \"kind\": \"sky\" }, \"environment\": {} } }".to_owned(),
                 "light: expected exactly one of the choices",
             ),
+            ("{ \"light\": \"rect\" }".to_owned(), "light.rect: expected an object with that name as its one member"),
             (
                 "{ \"light\": \"procedural\" }".to_owned(),
                 "light.procedural: expected an object with that name as its one member",
