@@ -17,6 +17,7 @@ use crate::scene::error::{Field, SceneError};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "brdfit scene")]
+#[schemars(extend("oneOf" = [{ "required": ["light"] }, { "required": ["lights"] }]))]
 pub struct SceneDocument {
     /// The schema of this document, for editors; not read.
     #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
@@ -28,6 +29,7 @@ pub struct SceneDocument {
     pub light: Option<LightDocument>,
     /// The lights, one at least, whose radiances add up; of `environment` and `procedural` one at most.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
     pub lights: Option<Vec<LightDocument>>,
     /// The materials by name.
     pub materials: BTreeMap<String, SceneMaterial>,
