@@ -31,8 +31,8 @@ to the genuine measurements, ours to the reconstruction that judges both, and a 
 suits a fit of two slices: read the ratios with that in mind
 ([accuracy.md](accuracy.md#what-the-reconstruction-proves)).
 
-SGD and GGX are the fits of `--model sgd` and `--model ggx` with the default options; where no model is
-named, ours is SGD's.
+SGD and GGX are the fits of `--model sgd` and `--model ggx` with the default options; where no model
+is named, ours is SGD's.
 
 E, L, C: cosine-weighted, logarithmic and cube root error over all cells with both angles up to 80
 degrees ([theory.md](theory.md), section 6). Costs: what the two steps of our fit minimise,

@@ -4,17 +4,17 @@
 //!
 //! ```
 //! use brdfit_bandwidth::{AtlasChannels, AtlasPlace, Layout, LobeGrid, LobeOptions, compute_atlas};
-//! use brdfit_brdf::GgxBrdf;
+//! use brdfit_brdf::GgxMaterial;
 //!
-//! let material = GgxBrdf { rho_d: [0.1; 3], rho_s: [0.5; 3], m: 0.2 };
+//! let material = GgxMaterial::without_fresnel([0.1; 3], [0.5; 3], 0.2)?;
 //! let options = LobeOptions { max_resolution: 256, ..LobeOptions::default() };
 //! let grid = LobeGrid::default();
-//! let (atlas, _) = compute_atlas(&material, true, Layout::Isotropic, AtlasChannels::Max, &grid, &options)?;
+//! let (atlas, _) = compute_atlas(&material, Layout::Isotropic, AtlasChannels::Max, &grid, &options)?;
 //! let (to_light, to_eye) = ([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]);
 //! let place = AtlasPlace::new(atlas.layout(), to_light, to_eye);
 //! let [cycles_per_radian, ..] = atlas.nearest(&place, 0);
 //! assert!((1.0..5.0).contains(&cycles_per_radian));
-//! # Ok::<(), brdfit_bandwidth::AtlasError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! The local bandwidth of a signal is the frequency below which 95 % of its local spectrum lies. [`Estimator`] estimates it from the

@@ -12,7 +12,7 @@
 //! let file = MerlFile::open("gold-metallic-paint.binary".as_ref())?;
 //! let fit = fit_slices(&file.slices(position), model, &FitOptions::new(model))?;
 //! let geometry = PanelGeometry::new(file.dimensions(), position);
-//! let errors = error_panel(&file, file.scan().valid(), &geometry, &fit.parameters);
+//! let errors = error_panel(&file.cells(), file.scan().valid(), &geometry, &fit.parameters);
 //! println!("{:?}: E {:.3}", fit.parameters.channel(0), errors.e[0]);
 //! # Ok(())
 //! # }

@@ -62,7 +62,7 @@ pub use lights::bandwidth::LightBandwidth;
 pub use lights::environment_map::LatLong;
 pub use lights::error::LightError;
 pub use lights::light_set::{LightSet, NearLight};
-pub use lights::octahedral_light::{LARGEST_RADIANCE, Light};
+pub use lights::octahedral::light::{LARGEST_RADIANCE, Light};
 pub use lights::procedural::Procedural;
 pub use passes::allocation::{Allocation, Budget, Prefilter};
 pub use passes::image_bandwidth::{COARSEST_LEVEL, Geometry};

@@ -4,12 +4,12 @@ use brdfit_renderer::Mode;
 
 use crate::args::render::RenderArgs;
 use crate::jobs::batch::in_pool;
-use crate::jobs::render_files::{self, Rendered, file_name, read_image};
-use crate::jobs::render_frame::RenderedScene;
-use crate::jobs::render_options::OptionsEntry;
-use crate::jobs::render_plan::RenderPlan;
-use crate::jobs::render_scene::LoadedScene;
-use crate::jobs::render_stats::{RenderDocument, SceneEntry};
+use crate::jobs::render::files::{self, Rendered, file_name, read_image};
+use crate::jobs::render::frame::RenderedScene;
+use crate::jobs::render::options::OptionsEntry;
+use crate::jobs::render::plan::RenderPlan;
+use crate::jobs::render::scene::LoadedScene;
+use crate::jobs::render::stats::{RenderDocument, SceneEntry};
 use crate::results::json;
 use crate::results::output;
 use crate::terminal::console::Console;
@@ -35,7 +35,7 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<Outcom
         document.quality = Some(scene.quality(reference, exposure, file_name(path)));
     }
     let image = scene.image(plan.background);
-    render_files::write(&plan, &Rendered { scene: &scene, image: &image, exposure })?;
+    files::write(&plan, &Rendered { scene: &scene, image: &image, exposure })?;
     if let Some(path) = &plan.files.stats {
         output::deliver(Some(path), &json::to_vec(&document))?;
     }

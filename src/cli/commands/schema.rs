@@ -9,7 +9,7 @@ use schemars::generate::SchemaSettings;
 use crate::args::texts::SchemaArgs;
 use crate::args::value_enums::SchemaName;
 use crate::jobs::atlas_job::Sidecar;
-use crate::jobs::render_stats::RenderDocument;
+use crate::jobs::render::stats::RenderDocument;
 use crate::results::json;
 use crate::results::output;
 use crate::terminal::exit_code::Outcome;

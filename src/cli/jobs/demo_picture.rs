@@ -10,9 +10,9 @@ use brdfit_renderer::{Budget, Procedural, RenderOptions, SceneDocument};
 
 use crate::args::value_enums::BackgroundArg;
 use crate::jobs::batch::in_pool;
-use crate::jobs::render_files::{Rendered, write_map};
-use crate::jobs::render_frame::RenderedScene;
-use crate::jobs::render_scene::LoadedScene;
+use crate::jobs::render::files::{Rendered, write_map};
+use crate::jobs::render::frame::RenderedScene;
+use crate::jobs::render::scene::LoadedScene;
 use crate::results::folder::{ResultFile, ResultFolder};
 use crate::results::json;
 use crate::results::output;

@@ -47,7 +47,7 @@ mod tests {
 
     #[test]
     fn rings_add_up_to_the_hemisphere() {
-        let total: f64 = (0..90).map(|bin| ring(bin)).sum();
+        let total: f64 = (0..90).map(ring).sum();
         assert!((total - 1.0).abs() < 1e-14);
     }
 }

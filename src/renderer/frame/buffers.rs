@@ -7,7 +7,7 @@ use crate::passes::decision::Decisions;
 use crate::passes::image_bandwidth::ImageBandwidth;
 use crate::passes::pilot::Pilot;
 use crate::passes::pyramid::SurfacePyramid;
-use crate::passes::shading::ShadingList;
+use crate::passes::shading_list::ShadingList;
 use crate::passes::upsampling::CellRadiance;
 
 /// The outputs of the passes, kept from one frame to the next.

@@ -18,7 +18,8 @@ use crate::passes::pass::Pass;
 use crate::passes::pilot::{Pilot, PilotPass};
 use crate::passes::pyramid::PyramidPass;
 use crate::passes::resolve::ResolvePass;
-use crate::passes::shading::{ShadingListPass, ShadingPass};
+use crate::passes::shading::ShadingPass;
+use crate::passes::shading_list::ShadingListPass;
 use crate::passes::upsampling::UpsamplingPass;
 
 /// Renders on the threads of the current pool. A frame is the same for every number of them.

@@ -2,7 +2,7 @@
 
 use brdfit_figures::srgb;
 
-use crate::lights::octahedral_light::LUMINANCE;
+use crate::lights::octahedral::light::LUMINANCE;
 
 /// Luminance of a linear colour, ITU-R BT.709 primaries.
 #[must_use]

@@ -1,7 +1,7 @@
 //! The local bandwidth of the light in every direction.
 
 use crate::geometry::vec3::Vec3;
-use crate::lights::octahedral_light::Light;
+use crate::lights::octahedral::light::Light;
 use brdfit_bandwidth::Estimator;
 use brdfit_brdf::by_eights;
 use rayon::prelude::*;

@@ -9,7 +9,7 @@ use crate::geometry::vec3::Vec3;
 use crate::lights::environment_map::{LatLong, turned_back};
 use crate::lights::error::LightError;
 use crate::lights::light_set::NearLight;
-use crate::lights::octahedral_light::Light;
+use crate::lights::octahedral::light::Light;
 use crate::lights::procedural::Procedural;
 use crate::lights::rectangle::RectangleDocument;
 use crate::scene::error::{Field, SceneError};

@@ -3,7 +3,7 @@
 use crate::geometry::vec3::Vec3;
 use crate::lights::bandwidth::LightBandwidth;
 use crate::lights::lighting::{Arriving, Lighting, PrefilteredLighting, Receivers, Seen};
-use crate::lights::octahedral_light::Light;
+use crate::lights::octahedral::light::Light;
 
 /// Radiance that depends on the direction alone.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@
 use crate::geometry::vec3::Vec3;
 use crate::images::film::read_colours;
 use crate::lights::error::LightError;
-use crate::lights::octahedral_light::{Light, is_radiance, texel_means};
+use crate::lights::octahedral::light::{Light, is_radiance, texel_means};
 use exr::error::Error as ExrError;
 use image::ImageDecoder;
 use rayon::prelude::*;

@@ -6,7 +6,7 @@ use crate::geometry::vec3::Vec3;
 use crate::lights::bandwidth::LightBandwidth;
 use crate::lights::environment::Environment;
 use crate::lights::lighting::{Lighting, Receivers, Seen};
-use crate::lights::octahedral_light::Light;
+use crate::lights::octahedral::light::Light;
 
 /// The lights of a scene: an environment or none, and any number of lights at a finite distance. Their radiances add up.
 #[derive(Clone, Debug, Default)]

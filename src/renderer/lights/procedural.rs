@@ -1,7 +1,7 @@
 //! Built-in lights, functions of the direction: no file is needed for tests and demonstrations.
 
 use crate::geometry::vec3::Vec3;
-use crate::lights::octahedral_light::Light;
+use crate::lights::octahedral::light::Light;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -6,7 +6,7 @@ use crate::geometry::gbuffer::GBuffer;
 use crate::passes::image_bandwidth::COARSEST_LEVEL;
 use crate::passes::pass::Pass;
 use crate::passes::pilot::Pilot;
-use crate::passes::shading::ShadingPoint;
+use crate::passes::shading_list::ShadingPoint;
 
 /// Fewest samples of a shading point.
 const LEAST_SAMPLES: u32 = 4;
@@ -275,7 +275,7 @@ mod tests {
     }
 
     use crate::passes::pilot::Prediction;
-    use crate::passes::pilot_points::PilotPoints;
+    use crate::passes::pilot::points::PilotPoints;
     use crate::test_scenes::plane;
 
     /// A pilot with a point of its own at every pixel.

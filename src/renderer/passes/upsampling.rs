@@ -8,7 +8,7 @@ use crate::passes::decision::{Decisions, State, children_of};
 use crate::passes::image_bandwidth::COARSEST_LEVEL;
 use crate::passes::pass::Pass;
 use crate::passes::pyramid::SurfacePyramid;
-use crate::passes::shading::ShadingPoint;
+use crate::passes::shading_list::ShadingPoint;
 
 /// Least cosine between normals in the weight of a pulled child.
 const LEAST_COSINE: f32 = 0.01;
@@ -104,7 +104,7 @@ mod tests {
     use super::*;
     use crate::passes::decision::DecisionPass;
     use crate::passes::pyramid::PyramidPass;
-    use crate::passes::shading::{ShadingList, ShadingListPass};
+    use crate::passes::shading_list::{ShadingList, ShadingListPass};
     use crate::passes::upsampling_stencil::Upsampling;
     use crate::test_scenes::plane;
 

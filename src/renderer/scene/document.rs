@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::lights::document::LightDocument;
 use crate::lights::light_set::NearLight;
-use crate::lights::octahedral_light::Light;
+use crate::lights::octahedral::light::Light;
 use crate::scene::error::{Field, SceneError};
 
 /// A scene: camera, objects, materials and lights. World: right-handed, +z up. Lengths share one unit of any
@@ -18,6 +18,7 @@ use crate::scene::error::{Field, SceneError};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "brdfit scene")]
+#[schemars(extend("oneOf" = [{ "required": ["light"] }, { "required": ["lights"] }]))]
 pub struct SceneDocument {
     /// The schema of this document, for editors; not read.
     #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
@@ -29,6 +30,7 @@ pub struct SceneDocument {
     pub light: Option<LightDocument>,
     /// The lights, at least one; their radiances add up. At most one of `environment` and `procedural`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
     pub lights: Option<Vec<LightDocument>>,
     /// The materials by name.
     pub materials: BTreeMap<String, SceneMaterial>,

@@ -359,6 +359,7 @@ fn documents_are_written_as_they_are_read() {
     let written = serde_json::to_vec(&once).unwrap();
     assert_eq!(SceneDocument::read(&written).unwrap(), once);
     let schema = serde_json::to_value(SceneDocument::schema()).unwrap();
-    assert_eq!(schema["required"], json!(["camera", "light", "materials", "objects"]));
+    assert_eq!(schema["required"], json!(["camera", "materials", "objects"]));
+    assert_eq!(schema["oneOf"], json!([{ "required": ["light"] }, { "required": ["lights"] }]));
     assert_eq!(schema["additionalProperties"], json!(false));
 }

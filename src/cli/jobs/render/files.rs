@@ -11,8 +11,8 @@ use brdfit_renderer::{
     finite_or_minus_one, shown,
 };
 
-use crate::jobs::render_frame::RenderedScene;
-use crate::jobs::render_plan::RenderPlan;
+use crate::jobs::render::frame::RenderedScene;
+use crate::jobs::render::plan::RenderPlan;
 use crate::report::shading_map;
 use crate::results::output;
 use crate::terminal::exit_code::Problem;
@@ -48,10 +48,10 @@ pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Pr
     if let Some(path) = &files.map {
         write_map(path, "", rendered)?;
     }
-    if let Some(path) = &files.light_map {
-        if let Some((light, bandwidth)) = scene.input().lights().environment() {
-            encoded(path, light_map(light, bandwidth))?;
-        }
+    if let Some(path) = &files.light_map
+        && let Some((light, bandwidth)) = scene.input().lights().environment()
+    {
+        encoded(path, light_map(light, bandwidth))?;
     }
     Ok(())
 }

@@ -1,14 +1,16 @@
 //! Image-space bandwidth and pyramid level of every pixel (Bagher et al. 2013, section 3.1).
 
+pub(crate) mod transport;
+
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
 use crate::geometry::differentials::Differentials;
 use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
 use crate::geometry::grazing::LEAST_COSINE;
+use crate::passes::image_bandwidth::transport::{BandLimit, Bounce, LARGEST};
 use crate::passes::pass::Pass;
 use crate::passes::pilot::{GEOMETRY_BANDWIDTH, NEAR_MARGIN, Path, Pilot, Prediction};
-use crate::passes::transport::{BandLimit, Bounce, LARGEST};
 
 /// Coarsest level of the pyramid: cells of 32 x 32 pixels.
 pub const COARSEST_LEVEL: usize = 5;
@@ -21,9 +23,10 @@ pub enum Geometry {
     /// Times the speed at which the mirror direction passes over the image, in both directions of the surface.
     #[default]
     Reflected,
-    /// The operators of Bagher et al. 2013, figure 4, each path by itself, with [`BandLimit::Segment`].
+    /// The operators of Bagher et al. 2013, figure 4, each path by itself; a band limit
+    /// shortens the whole spectrum, a segment, and not its angular part alone.
     Operators,
-    /// The operators as published: [`BandLimit::Published`].
+    /// The operators as published: a band limit cuts the angular part and leaves the spatial one.
     OperatorsPublished,
 }
 

@@ -8,8 +8,8 @@ use brdfit_renderer::{
 };
 
 use crate::args::value_enums::BackgroundArg;
-use crate::jobs::render_scene::{LoadedMaterial, LoadedScene};
-use crate::jobs::render_stats::{QualityEntry, TimesEntry};
+use crate::jobs::render::scene::{LoadedMaterial, LoadedScene};
+use crate::jobs::render::stats::{QualityEntry, TimesEntry};
 use crate::terminal::exit_code::Problem;
 
 /// An image and what it was made from.

@@ -1,5 +1,7 @@
 //! The pilot: a few samples per tile of 4 x 4 pixels, from which bandwidth, mean and variance of the integrand are predicted.
 
+pub(crate) mod points;
+
 use rayon::prelude::*;
 
 use crate::geometry::gbuffer::GBuffer;
@@ -8,7 +10,7 @@ use crate::lights::light_set::{LightSet, LookUp};
 use crate::passes::direct_lighting::{Batch, Gathering, LANES, Place, Reflected, Request, Stage};
 use crate::passes::material::ShadingMaterial;
 use crate::passes::pass::Pass;
-use crate::passes::pilot_points::{PilotPoints, TILE};
+use crate::passes::pilot::points::{PilotPoints, TILE};
 
 /// Bandwidth of the light in the published bound of the variance where the true one is infinite, cycles per radian.
 const PUBLISHED_LARGEST: f32 = 100.0;
@@ -329,7 +331,7 @@ mod tests {
     use super::*;
     use brdfit_brdf::{GgxMaterial, Lambert};
 
-    use crate::lights::octahedral_light::Light;
+    use crate::lights::octahedral::light::Light;
     use crate::lights::procedural::Procedural;
     use crate::passes::material::{Bandwidth, Material};
     use crate::test_scenes::plane;

@@ -6,7 +6,7 @@ use brdfit_renderer::{FrameStatistics, Times};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::jobs::render_options::OptionsEntry;
+use crate::jobs::render::options::OptionsEntry;
 
 /// Version of the layout.
 const SCHEMA_VERSION: u32 = 1;

@@ -6,7 +6,7 @@ use brdfit_renderer::{Exposure, LayerGroup, RenderOptions};
 
 use crate::args::render::RenderArgs;
 use crate::args::value_enums::{BackgroundArg, LayerArg};
-use crate::jobs::render_options::options;
+use crate::jobs::render::options::options;
 use crate::results::folder::keep_inputs;
 use crate::results::output;
 use crate::terminal::exit_code::Problem;

@@ -4,9 +4,9 @@ use crate::geometry::octahedral::{
     direction_to_signed_square, l1_norm, solid_angle_per_area, square_to_direction, wrap,
 };
 use crate::geometry::vec3::Vec3;
-use crate::lights::alias_table::TexelTable;
 use crate::lights::error::LightError;
-use crate::lights::light_level::LightLevel;
+use crate::lights::octahedral::alias_table::TexelTable;
+use crate::lights::octahedral::level::LightLevel;
 use rayon::prelude::*;
 
 /// Luminance of linear RGB with the primaries of Rec. 709.

@@ -4,9 +4,9 @@
 
 use crate::geometry::octahedral::{eight_to_directions, eight_to_square};
 use crate::geometry::vec3::Vec3;
-use crate::lights::alias_table::TexelTable;
-use crate::lights::light_level::LightLevel;
-use crate::lights::octahedral_light::Light;
+use crate::lights::octahedral::alias_table::TexelTable;
+use crate::lights::octahedral::level::LightLevel;
+use crate::lights::octahedral::light::Light;
 use brdfit_brdf::by_eights;
 use wide::{f32x4, f32x8};
 
