@@ -17,11 +17,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The local bandwidth of a signal is the frequency below which 95 % of its local spectrum lies. [`Estimator`] reads it from the
+//! The local bandwidth of a signal is the frequency below which 95 % of its local spectrum lies. [`Estimator`] estimates it from the
 //! Daubechies wavelet transform ([`Pyramid`]) of any image: environment maps, area lights, textures. [`LobeEstimator`] does so for the
 //! outgoing lobes of a material on the angular map ([`AngularMap`]), at the resolution that each needs, and [`compute_atlas`] for
 //! all lobes; an [`Atlas`] holds them as the texture that renderers sample. `exr` and `ktx2` write it (feature `files`, on by
-//! default), [`sidecar`] describes it, [`shader`] hands out the functions that sample it.
+//! default), [`sidecar`] describes it, [`shader`] provides the shader functions that sample it.
 //!
 //! Bandwidths are in cycles per radian, or per sample where no mapping is known. Definitions: docs/theory.md, section 10; measured
 //! errors: docs/accuracy.md. Source: Bagher et al. 2013, "Interactive rendering of acquired materials on dynamic geometry using

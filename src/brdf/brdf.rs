@@ -1,4 +1,4 @@
-//! What every reflectance model offers: evaluation, sampling, density.
+//! The interface of all BRDFs: evaluation, sampling, density.
 
 use crate::batch::batch_brdf::BatchBrdf;
 use crate::batch::fixed_outgoing::{Directions, FixedOutgoing};
@@ -24,7 +24,7 @@ pub trait Brdf: Send + Sync {
     /// `f(i, o)` in 1/sr per channel for unit vectors in the local frame (normal +z); zero where either is at or below the horizon.
     fn value(&self, i: &Direction, o: &Direction) -> [f64; 3];
 
-    /// What turning and reflecting both directions leaves unchanged.
+    /// Symmetries: rotations and reflections of both directions that leave the BRDF unchanged.
     fn symmetry(&self) -> Symmetry {
         Symmetry::Mirror
     }

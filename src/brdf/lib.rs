@@ -24,7 +24,7 @@
 //!
 //! # Known and drawn directions, random numbers
 //!
-//! Every sampler here keeps one contract. One direction is **known**, the other is **drawn**; BRDFs are reciprocal, so it
+//! All samplers share one contract. One direction is **known**, the other is **drawn**; BRDFs are reciprocal, so it
 //! does not matter which of them is called i. [`Brdf::sample`] knows i and draws o; [`BatchBrdf::sample`], made for renderers, knows
 //! the direction o towards the eye and draws i. Densities are per solid angle of the drawn direction. A draw that ends at or below
 //! the horizon is a sample of value zero and must be counted.
@@ -36,7 +36,7 @@
 //! # Adding a model
 //!
 //! A microfacet model is a distribution of normals: a file that implements [`NormalDistribution`], and its line among the
-//! [`ModelName`]s. What others know of models is [`Model`].
+//! [`ModelName`]s. [`Model`] is the interface of models for all other code.
 #![forbid(unsafe_code)]
 
 mod batch;

@@ -1,5 +1,5 @@
-//! `brdfit`: fits measured isotropic BRDFs. Arguments as typed (`args`) become a checked plan (`plan`), and each subcommand
-//! is one file. Only this crate knows colour, progress and exit codes.
+//! `brdfit`: fits models to measured isotropic BRDFs, computes bandwidth atlases and renders. Arguments (`args`) are validated
+//! into plans (`jobs`); each subcommand is one file of `commands`. Only this crate knows colour, progress and exit codes.
 #![forbid(unsafe_code)]
 // doc comments of arguments are help text, where <name> is a name
 #![allow(rustdoc::invalid_html_tags)]

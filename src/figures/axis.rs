@@ -3,9 +3,9 @@
 /// A mark on an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
-    /// Where, 0 at the start of the axis and 1 at its end.
+    /// Position, 0 at the start of the axis and 1 at its end.
     pub at: f64,
-    /// What stands beside it; nothing at a minor tick.
+    /// Its label; empty at a minor tick.
     pub label: Option<Label>,
 }
 
@@ -56,7 +56,7 @@ impl LogAxis {
         axis
     }
 
-    /// Where a value lies: below 0 or above 1 if it is not on the axis, minus infinity if it has no logarithm.
+    /// Position of a value: below 0 or above 1 off the axis, minus infinity if the value has no logarithm.
     #[must_use]
     pub fn position(&self, value: f64) -> f64 {
         if value > 0.0 { (log10(value) - self.low) / (self.high - self.low) } else { f64::NEG_INFINITY }
@@ -79,7 +79,7 @@ pub enum AngleAxis {
 }
 
 impl AngleAxis {
-    /// Where an angle in degrees lies.
+    /// Position of an angle in degrees.
     #[must_use]
     pub fn position(self, degrees: f64) -> f64 {
         let share = (degrees / 90.0).clamp(0.0, 1.0);

@@ -1,4 +1,4 @@
-//! Painting on an image: rectangles, text, discs of texels and colour bars.
+//! Drawing on an image: rectangles, text, discs of texels and colour bars.
 
 use image::{Rgb, RgbImage};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
@@ -14,7 +14,7 @@ pub const FAINT: Rgb<u8> = Rgb([120, 120, 128]);
 /// Width of a colour bar without its labels, in pixels.
 pub const BAR: u32 = 22;
 
-/// How large a text is.
+/// Size of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TextSize {
     /// Titles of figures.
@@ -41,7 +41,7 @@ impl TextSize {
     }
 }
 
-/// Where a text lies relative to the point it is given.
+/// Alignment of a text relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     /// To the right of it.

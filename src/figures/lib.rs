@@ -1,8 +1,9 @@
-//! Drawing: the parts that figures are made of, for PNG (pixels) and SVG (text).
+//! Building blocks of figures, for PNG (pixels) and SVG (text).
 //!
-//! [`canvas`] paints rectangles, text, discs and colour bars on an image, [`scale`] turns values into colours, [`panel`] sets
-//! pictures side by side with titles and legends, and [`png`] encodes them. [`axis`] maps values to positions with ticks, and
-//! [`svg`] writes the text of vector figures. [`srgb`] is the curve of displays. What is drawn lives with whoever draws it.
+//! [`canvas`] paints rectangles, text, discs and colour bars on an image, [`scale`] turns values into colours, [`panel`] places
+//! images side by side with titles and legends, and [`png`] encodes them. [`axis`] maps values to positions with ticks, and
+//! [`svg`] writes the text of vector figures. [`srgb`] is the transfer curve of displays. The figures themselves live in the
+//! crates that draw them.
 //!
 //! The same values give the same bytes on every machine: there is no system font, and transcendental functions are those of
 //! `libm`.

@@ -1,11 +1,11 @@
-//! Images and false-colour maps side by side, with titles and legends. Values cannot be read back from them.
+//! Images and false-colour maps side by side, with titles and legends. Values cannot be recovered from them.
 
 use image::{Rgb, RgbImage, imageops};
 
 use crate::canvas::{Align, BACKGROUND, BAR, FAINT, INK, TextSize, colour_bar, fill, text, text_width};
 use crate::scale::Scale;
 
-/// Pixels from the outer edge to whatever is drawn.
+/// Margin in pixels.
 const MARGIN: u32 = 24;
 /// Pixels between a picture and its legend.
 const GAP: u32 = 16;
@@ -28,12 +28,12 @@ enum Legend {
     Bar(Scale),
 }
 
-/// A colour of a map and what it stands for.
+/// A colour of a map and its meaning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Class {
     /// As it is drawn.
     pub colour: Rgb<u8>,
-    /// What stands beside it in the legend, in ASCII or Latin-1.
+    /// Its label in the legend, in ASCII or Latin-1.
     pub label: String,
 }
 
@@ -91,7 +91,7 @@ impl Panel {
         Self { title: title.to_owned(), note: String::new(), picture, legend: Legend::Classes(classes) }
     }
 
-    /// A quantity on a logarithmic scale between two powers of two; 0, negative values and what is no number are grey,
+    /// A quantity on a logarithmic scale between two powers of two; 0, negative values and NaN are grey,
     /// the largest 0.5 % of the finite values and infinity may share the brightest colour, marked by a plus at the
     /// colour bar.
     ///
@@ -105,7 +105,7 @@ impl Panel {
         Self { title: title.to_owned(), note: unit.to_owned(), picture, legend: Legend::Bar(scale) }
     }
 
-    /// What stands in the line below the title, for a quantity instead of its unit.
+    /// The line below the title, for a quantity instead of its unit.
     #[must_use]
     pub fn note(mut self, note: &str) -> Self {
         note.clone_into(&mut self.note);

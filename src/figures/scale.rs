@@ -1,4 +1,4 @@
-//! From values to colours: a perceptual colour map and a logarithmic scale.
+//! Colour scales: a perceptual colour map and a logarithmic scale.
 
 use image::Rgb;
 

@@ -1,4 +1,4 @@
-//! The documents that a fit leaves: one per material, one per batch. Their JSON Schema is generated from these types.
+//! The documents of a fit: one per material, one per batch. Their JSON Schema is generated from these types.
 
 use crate::lm::termination::Termination;
 use crate::options::RecordedOptions;
@@ -18,13 +18,13 @@ pub struct FitDocument {
     pub program: String,
     /// The measurement.
     pub input: Input,
-    /// Every option that influenced the result.
+    /// All options that influenced the result.
     pub options: RecordedOptions,
     /// The model.
     pub model: ModelName,
     /// The fit of R, G and B.
     pub channels: [ChannelFit; 3],
-    /// How far the model is from the measurement on all cells; absent if it was not asked for.
+    /// Errors of the model over all cells; absent if they were not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub errors: Option<ErrorPanel>,
     /// The two slices that were fitted.
@@ -36,12 +36,12 @@ pub struct FitDocument {
 pub struct Input {
     /// File name without its folder and extension.
     pub name: String,
-    /// SHA-256 of the whole file, lower-case hexadecimal; absent if it was not asked for.
+    /// SHA-256 of the whole file, lower-case hexadecimal; absent if it was not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
     /// Bins of theta_h, theta_d, phi_d.
     pub dimensions: [usize; 3],
-    /// Where in its cell a sample was taken to lie.
+    /// Position of a sample within its cell.
     pub sample_position: SamplePosition,
     /// Cells with a measurement in all three channels, as a share of all cells; absent if the file was not scanned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -55,7 +55,7 @@ pub struct ChannelFit {
     pub name: String,
     /// The free parameters of the model.
     pub parameters: NamedValues<f64>,
-    /// What follows from them.
+    /// Quantities derived from them.
     pub derived: Derived,
     /// Standard errors of what the two steps estimated, `sigma^2 (J^T J)^-1` over the parameters that are not at a bound; null for
     /// one at a bound or undetermined. rho_d, fr (through the peak height) and the shape of the distribution are those of step
@@ -63,11 +63,11 @@ pub struct ChannelFit {
     pub standard_errors: NamedValues<Option<f64>>,
     /// Step 1 (theta_h slice) and step 2 (theta_d slice).
     pub steps: [StepReport; 2],
-    /// What a reader should know before trusting a parameter.
+    /// Caveats about the parameters.
     pub flags: Vec<Flag>,
 }
 
-/// Quantities that follow from the parameters.
+/// Quantities derived from the parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Derived {
     /// Normalisation of the distribution, for models that publish one ("sgd").
@@ -102,10 +102,10 @@ pub struct G1Fit {
     pub rms_error: f64,
 }
 
-/// How one step went.
+/// Convergence of one step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StepReport {
-    /// Which slice: theta_h (step 1) or theta_d (step 2).
+    /// The slice: theta_h (step 1) or theta_d (step 2).
     pub name: String,
     /// Method: levenberg-marquardt or convex.
     pub solver: String,
@@ -117,7 +117,7 @@ pub struct StepReport {
     pub residual_norm: f64,
     /// Iterations of the winning start.
     pub iterations: u64,
-    /// Why it stopped.
+    /// Reason for termination.
     pub termination: Termination,
     /// Number of the winning start, counted from 0.
     pub start: usize,
@@ -128,7 +128,7 @@ pub struct StepReport {
     pub condition_number: Option<f64>,
 }
 
-/// What a reader should know before trusting a parameter.
+/// Caveats about the parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Flag {
@@ -144,11 +144,11 @@ pub enum Flag {
     FresnelConstrained,
     /// The Fresnel term leaves [0, 1] somewhere.
     FresnelOutsideUnit,
-    /// rho_s is weakly determined: rho_s F is trustworthy, rho_s, f0 and f1 one by one are not.
+    /// rho_s is weakly determined: rho_s F is reliable; rho_s, f0 and f1 individually are not.
     RhoSWeak,
-    /// The parameters of step 1 are strongly correlated: trust the curve, not the parameters.
+    /// The parameters of step 1 are strongly correlated: the curve is reliable, the parameters are not.
     Step1IllConditioned,
-    /// A step ran into its iteration limit.
+    /// A step reached its iteration limit.
     NotConverged,
     /// Fewer than half of the rows of a slice inside its cut-off have a measurement.
     FewRows,
@@ -166,7 +166,7 @@ pub struct ErrorPanel {
     /// Root mean square difference weighted by the cosines, over `albedo`.
     #[serde(rename = "E")]
     pub e: [f64; 3],
-    /// Root mean square difference of `ln(1 + f cos theta_i)`; a model below zero counts as zero, as in C.
+    /// Root mean square difference of `ln(1 + f cos theta_i)`; a negative model value counts as zero, as in C.
     #[serde(rename = "L")]
     pub l: [f64; 3],
     /// Root mean square difference of the cube roots of `f cos theta_i`.
@@ -209,7 +209,7 @@ pub struct AllCells {
     pub errors: PanelTriple<[f64; 3]>,
 }
 
-/// A cell and how far the model is off there: `|g - f| / max(f, 1e-3 / sr)`.
+/// A cell and the relative residual of the model there: `|g - f| / max(f, 1e-3 / sr)`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LargestResidual {
     /// The relative residual.
@@ -231,7 +231,7 @@ pub struct SliceCurves {
     pub theta_d: Vec<f64>,
     /// The measurement, 1/sr.
     pub measured: CurvePair<Option<f64>>,
-    /// What the two steps fitted to it, 1/sr.
+    /// The fitted curve, 1/sr.
     pub fitted: CurvePair<f64>,
 }
 
@@ -252,7 +252,7 @@ pub struct SummaryDocument {
     pub schema_version: u32,
     /// Program that wrote it, with its version.
     pub program: String,
-    /// Every option that influenced the results.
+    /// All options that influenced the results.
     pub options: RecordedOptions,
     /// The model, where it is not the default one ("sgd").
     #[serde(default, skip_serializing_if = "is_default")]
@@ -278,7 +278,7 @@ pub struct SummaryRow {
     pub parameters: [NamedValues<f64>; 3],
     /// Costs of step 1 and step 2 per channel.
     pub costs: [[f64; 2]; 3],
-    /// E, L and C per channel, if the panel was asked for.
+    /// E, L and C per channel, if the panel was requested.
     pub errors: Option<PanelTriple<[f64; 3]>>,
     /// Flags of all channels.
     pub flags: [Vec<Flag>; 3],
@@ -289,9 +289,9 @@ pub struct SummaryRow {
 pub struct Failure {
     /// The file, as it was named or found.
     pub input: String,
-    /// What is wrong with it.
+    /// The error message.
     pub message: String,
-    /// The exit code that it asks for.
+    /// Its exit code.
     pub exit_code: u8,
 }
 

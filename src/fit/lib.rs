@@ -1,6 +1,6 @@
 //! The two-step fit of microfacet models to measured BRDFs, its solver, its error metrics and its documents.
 //!
-//! A file in the MERL format, fitted and judged:
+//! Fit of a MERL file, with its errors:
 //!
 //! ```no_run
 //! use brdfit_brdf::ModelName;

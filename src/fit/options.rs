@@ -1,4 +1,4 @@
-//! What a fit can be asked to do. Everything here influences the result and is written into it.
+//! Options of a fit. All of them influence the result and are recorded in it.
 
 use brdfit_brdf::{DistributionVisitor, ModelName, NormalDistribution};
 use brdfit_measured::SamplePosition;
@@ -11,22 +11,22 @@ use serde::{Deserialize, Serialize};
 pub struct FitOptions {
     /// One distribution per channel, or one for all three.
     pub distribution: DistributionSharing,
-    /// What both steps minimise.
+    /// Loss that both steps minimise.
     pub loss: Loss,
-    /// What the Fresnel term has to satisfy.
+    /// Constraint on the Fresnel term.
     pub constraint: Constraint,
-    /// What step 2 takes for the height of the specular peak.
+    /// Height of the specular peak in step 2.
     pub anchor: Anchor,
-    /// How step 2 is solved.
+    /// Solver of step 2.
     pub step2_solver: Step2Solver,
-    /// Rows of the theta_h slice beyond this angle take no part in step 1; degrees.
+    /// Rows of the theta_h slice beyond this angle are excluded from step 1; degrees.
     pub cutoff_theta_h_degrees: f64,
-    /// Rows of the theta_d slice beyond this angle take no part in step 2; degrees.
+    /// Rows of the theta_d slice beyond this angle are excluded from step 2; degrees.
     pub cutoff_theta_d_degrees: f64,
-    /// Starts of step 1, each the shape parameters of the model's distribution ("sgd": alpha, p); the best result wins, ties go
-    /// to the first.
+    /// Starts of step 1, each the shape parameters of the model's distribution ("sgd": alpha, p); the best result is kept,
+    /// of equal ones the first.
     pub starts: Vec<Vec<f64>>,
-    /// Limit of iterations of each run of the solver.
+    /// Iteration limit of each solver run.
     pub max_iterations: u64,
 }
 
@@ -103,7 +103,7 @@ impl DistributionVisitor for Starts {
     }
 }
 
-/// Whether starts lie inside of the box of the distribution's unknowns.
+/// Whether starting points lie inside the box of the distribution's unknowns.
 struct CheckStarts<'a>(&'a [Vec<f64>]);
 
 impl DistributionVisitor for CheckStarts<'_> {
@@ -119,7 +119,7 @@ impl DistributionVisitor for CheckStarts<'_> {
             if start.len() != N {
                 let count = start.len();
                 return Err(OptionsError(format!(
-                    "a start of the model {} is {names}, not {count} number{}",
+                    "a starting point of the model {} is {names}, not {count} number{}",
                     D::MODEL,
                     if count == 1 { "" } else { "s" }
                 )));
@@ -150,31 +150,31 @@ fn shortest(value: f64) -> String {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "FitOptions")]
 pub struct RecordedOptions {
-    /// Where in its cell a sample lies.
+    /// Position of a sample within its cell.
     pub sample_position: SamplePosition,
     /// One distribution per channel, or one for all three.
     pub distribution: DistributionSharing,
-    /// What both steps minimise.
+    /// Loss that both steps minimise.
     pub loss: Loss,
-    /// What the Fresnel term has to satisfy.
+    /// Constraint on the Fresnel term.
     pub constraint: Constraint,
-    /// What step 2 takes for the height of the specular peak.
+    /// Height of the specular peak in step 2.
     pub anchor: Anchor,
-    /// How step 2 is solved.
+    /// Solver of step 2.
     pub step2_solver: Step2Solver,
-    /// Rows of the theta_h slice beyond this angle take no part in step 1; degrees.
+    /// Rows of the theta_h slice beyond this angle are excluded from step 1; degrees.
     pub cutoff_theta_h_degrees: f64,
-    /// Rows of the theta_d slice beyond this angle take no part in step 2; degrees.
+    /// Rows of the theta_d slice beyond this angle are excluded from step 2; degrees.
     pub cutoff_theta_d_degrees: f64,
-    /// Starts of step 1, each the shape parameters of the model's distribution ("sgd": alpha, p); the best result wins, ties go
-    /// to the first.
+    /// Starts of step 1, each the shape parameters of the model's distribution ("sgd": alpha, p); the best result is kept,
+    /// of equal ones the first.
     pub starts: Vec<Vec<f64>>,
-    /// Limit of iterations of each run of the solver.
+    /// Iteration limit of each solver run.
     pub max_iterations: u64,
 }
 
 impl RecordedOptions {
-    /// What is recorded of a fit with these options to slices whose samples lie there.
+    /// The recorded options of a fit to slices with this position of the samples.
     pub fn new(options: &FitOptions, sample_position: SamplePosition) -> Self {
         let FitOptions {
             distribution,
@@ -235,7 +235,7 @@ pub enum Constraint {
     Physical,
     /// `F >= 0` at every third degree, `rho_s >= 0`.
     NonNegative,
-    /// Nothing.
+    /// No constraint.
     Free,
 }
 
@@ -243,7 +243,7 @@ pub enum Constraint {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Anchor {
-    /// What the measured peak cell implies: D(0) times the ratio of its excess over rho_d to the fitted lobe there, at least
+    /// Implied by the measured peak cell: D(0) times the ratio of its excess over rho_d to the fitted lobe there, at least
     /// D(0)/2; then `rho_s F(0) = Fr`. D(0) stands for D at the first sample, which is 0 for samples at the edge.
     #[default]
     Peak,
@@ -251,7 +251,7 @@ pub enum Anchor {
     Distribution,
 }
 
-/// How the convex problem of step 2 is solved; both end at the same place.
+/// Solver of the convex problem of step 2; both reach the same minimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Step2Solver {

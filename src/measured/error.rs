@@ -1,4 +1,4 @@
-//! Everything that can be wrong with a measured file, each with what to do about it.
+//! Errors of measured files, each with its remedy.
 
 use std::fmt;
 use std::io;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::grid::dimensions::{CHANNEL_NAMES, Dimensions};
 use crate::grid::sample_position::SamplePosition;
 
-/// Why a measured file could not be used: the file and the reason. The message is one line, `FILE: what is wrong; what to do`.
+/// Error of a measured file: the file and the reason. The message is one line, `FILE: fault; remedy`.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {reason}", path.display())]
 pub struct MeasurementError {
@@ -15,11 +15,11 @@ pub struct MeasurementError {
     reason: Reason,
 }
 
-/// Why a measured file could not be used, sorted by what the user can do.
+/// Reasons for rejecting a measured file, grouped by remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Reason {
-    /// Nothing could be read: look at the path, the permissions, the disk.
+    /// The file could not be read: check the path, the permissions, the disk.
     #[error(transparent)]
     Unreadable(#[from] Unreadable),
     /// The file is not a whole file of its format: fetch it again, or unpack it.
@@ -30,7 +30,7 @@ pub enum Reason {
     Field {
         /// The field's name.
         name: String,
-        /// What is wrong with it, and what to do.
+        /// Fault and remedy.
         fault: String,
     },
     /// The file is whole and of a kind that is not supported: take another file, or convert it.
@@ -38,7 +38,7 @@ pub enum Reason {
     Unsupported {
         /// What it holds.
         what: String,
-        /// What to do.
+        /// The remedy.
         advice: &'static str,
     },
     /// The file is whole, and its values are not those of a measurement.
@@ -46,14 +46,14 @@ pub enum Reason {
     Values(#[from] ValueFault),
     /// The format fixes where its samples lie: leave the option out.
     #[error(
-        "{format} files have their samples at the {fixed}, not at the {asked}; leave --sample-position (sample_position) out"
+        "{format} files have their samples at the {fixed}, not at the {asked}; omit --sample-position (sample_position)"
     )]
     SamplePosition {
         /// The format's name.
         format: &'static str,
-        /// Where the samples lie.
+        /// The position of the samples.
         fixed: SamplePosition,
-        /// What was asked for.
+        /// The requested position.
         asked: SamplePosition,
     },
 }
@@ -93,7 +93,7 @@ pub enum ContainerFault {
         format: &'static str,
         /// The format that it was read as, with an article.
         wanted: &'static str,
-        /// What to do.
+        /// The remedy.
         advice: &'static str,
     },
     /// The file ends before its header or its contents do.
@@ -106,9 +106,9 @@ pub enum ContainerFault {
         /// The dimensions, where the file has a grid and its header was complete.
         dimensions: Option<Dimensions>,
     },
-    /// The file goes on after its contents.
+    /// The file has trailing bytes.
     #[error(
-        "trailing bytes: {}, {got} instead of {expected} bytes{}; fetch it again, or cut what was appended",
+        "trailing bytes: {}, {got} instead of {expected} bytes{}; fetch it again, or truncate it",
         got - expected, Needed(*dimensions)
     )]
     TrailingBytes {
@@ -139,7 +139,7 @@ pub enum ContainerFault {
     /// The list of contents cannot be followed.
     #[error("{what}; fetch it again")]
     Header {
-        /// What is wrong with it.
+        /// The fault.
         what: String,
     },
 }
@@ -149,22 +149,22 @@ pub enum ContainerFault {
 #[non_exhaustive]
 pub enum ValueFault {
     /// No cell is finite and non-negative in all three planes.
-    #[error("no valid cells: no cell holds a measurement in all three planes; the file cannot be used")]
+    #[error("no valid cells: none has a measurement in all three planes")]
     NoValidCells,
     /// Some values are not numbers.
     #[error("values that are not a number (NaN): {count}, first at {first}; write -1 where there is no measurement")]
     NotANumber {
-        /// How many, over all planes.
+        /// Count over all planes.
         count: usize,
-        /// Where the first one in the order of the file is.
+        /// Position of the first one in the order of the file.
         first: Place,
     },
     /// Some values are infinite.
     #[error("infinite values: {count}, first at {first}; write -1 where there is no measurement")]
     Infinite {
-        /// How many, over all planes and of either sign.
+        /// Count over all planes and both signs.
         count: usize,
-        /// Where the first one in the order of the file is.
+        /// Position of the first one in the order of the file.
         first: Place,
     },
 }
@@ -181,7 +181,7 @@ impl MeasurementError {
         &self.path
     }
 
-    /// What is wrong with it.
+    /// The reason.
     #[must_use]
     pub fn reason(&self) -> &Reason {
         &self.reason

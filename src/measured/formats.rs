@@ -1,4 +1,4 @@
-//! The table of formats, and the one way to open a file of any of them.
+//! The table of formats, and opening a file of any of them.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! How hashes are written.
+//! Hashes as text.
 
 /// Lower-case hexadecimal.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {

@@ -1,4 +1,4 @@
-//! What there is to say about a measured file.
+//! The report on a measured file.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -14,7 +14,7 @@ use crate::merl::health::{AlbedoHealth, Health};
 pub enum Info {
     /// A file of cells.
     Cells(Box<Health>),
-    /// A file of another kind.
+    /// Any other file.
     Summary(Box<Summary>),
 }
 
@@ -29,9 +29,9 @@ pub struct Summary {
     pub sha256: String,
     /// The format's name in documents, for instance `rgl`.
     pub format: String,
-    /// What the file says about the material.
+    /// The description of the material in the file.
     pub description: String,
-    /// Where inside its cell a sample lies, where slices, cells and albedo put the material on a grid.
+    /// Position of a sample within its cell, for slices, cells and albedo.
     pub sample_position: SamplePosition,
     /// The tables of the file.
     pub tables: Vec<TableShape>,

@@ -1,7 +1,7 @@
-//! Measured isotropic BRDFs: files of several formats behind one trait, their slices, cells, health, and the material itself.
+//! Measured isotropic BRDFs: files of several formats behind one trait, their slices, cells, health, and evaluation.
 //!
-//! [`open`] recognises the format of a file and checks its container; nothing else is read until it is asked for. What a fit,
-//! an atlas or a report needs is in [`Measurement`], and no user of this crate has to know a format; [`FORMATS`] lists them.
+//! [`open`] recognises the format of a file and checks its container; all else is read on demand. [`Measurement`] provides
+//! what a fit, an atlas or a report needs, independent of the format; [`FORMATS`] lists them.
 //!
 //! ```
 //! use brdfit_brdf::direction;

@@ -8,7 +8,7 @@ use memmap2::Mmap;
 
 use crate::error::{ContainerFault, MeasurementError, Unreadable};
 
-/// The bytes of a file, read-only, with its name. What is not looked at is not read from the disk.
+/// The bytes of a file, read-only, with its name. Pages that are not accessed are not read from disk.
 #[derive(Debug)]
 pub(crate) struct MappedFile {
     path: PathBuf,

@@ -1,4 +1,4 @@
-//! What every measured file offers, whatever its format.
+//! The interface of measured files of any format.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -46,22 +46,22 @@ pub trait Measurement: fmt::Debug + Send + Sync {
     /// [`crate::Reason::Values`] if no direction above the horizon was measured.
     fn brdf(&self) -> Result<Box<dyn Brdf>, MeasurementError>;
 
-    /// The state of the file, for people who have to decide whether to trust it. A file with wrong values is described, too.
+    /// The report on the file. Files with invalid values are described, too.
     fn info(&self, checks: &HealthChecks) -> Described;
 }
 
-/// Where a measurement comes from.
+/// Origin of a measurement.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
     /// The file, as it was named.
     pub path: PathBuf,
     /// [`Format::id`] of its format.
     pub format: &'static str,
-    /// Where inside its cell a sample of slices and cells lies.
+    /// Position of a sample of slices and cells within its cell.
     pub sample_position: SamplePosition,
 }
 
-/// What one pass over a whole file found.
+/// Result of one pass over a whole file.
 #[derive(Clone, Debug)]
 pub struct Survey {
     /// SHA-256 of the file in lower-case hexadecimal.
@@ -83,11 +83,11 @@ impl Survey {
 pub struct Described {
     /// The state.
     pub info: Info,
-    /// What is wrong with the values.
+    /// Errors of the values.
     pub fault: Option<MeasurementError>,
 }
 
-/// How a file is made a measurement, with its samples where the user asked for.
+/// Opens a file as a measurement, with the requested position of its samples.
 pub(crate) type Open = fn(MappedFile, Option<SamplePosition>) -> Result<Box<dyn Measurement>, MeasurementError>;
 
 /// A file format of measured BRDFs: one entry of [`crate::FORMATS`].

@@ -16,7 +16,7 @@ use crate::merl::file::MerlFile;
 /// After Bagher, Soler & Holzschuch 2012, section 4. All vectors have 90 entries; values are in 1/sr, angles in radians.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slices {
-    /// Where inside its cell each value was taken to lie.
+    /// Position of each value within its cell.
     pub position: SamplePosition,
     /// Sample angles of the rows of `measured_h`.
     pub theta_h: Vec<f64>,

@@ -1,12 +1,13 @@
 //! Adaptive hierarchical shading, driven by predicted bandwidth.
 //!
-//! A frame predicts from the angular bandwidths of light and materials how fast its image varies and how noisy each pixel's
-//! integral is, shades where that asks for it and interpolates the rest (Bagher et al., "Interactive rendering of acquired materials
+//! A frame predicts the local bandwidth of the image and the variance of each pixel from the angular bandwidths of lights and
+//! materials, shades where the prediction requires it and interpolates the rest (Bagher et al., "Interactive rendering of acquired materials
 //! on dynamic geometry using frequency analysis", 2013). Equations and decisions: docs/theory.md, section 11; measured gains:
 //! docs/performance.md.
 //!
-//! [`Scene`] makes a [`GBuffer`] from a [`SceneDocument`]; with the [`Material`]s that it counts and a [`LightSet`], an octahedral
-//! [`Light`] or none and any number of near lights, it becomes a [`FrameInput`]; a [`Backend`] renders that, and gives the buffers of its passes as [`Layer`]s of a [`Film`].
+//! [`Scene`] makes a [`GBuffer`] from a [`SceneDocument`]. The G-buffer, its [`Material`]s and a [`LightSet`] (at most one
+//! octahedral [`Light`] and any number of near lights) form a [`FrameInput`]. A [`Backend`] renders it and returns the buffers of
+//! its passes as [`Layer`]s of a [`Film`].
 //!
 //! ```
 //! use brdfit_brdf::Lambert;

@@ -60,13 +60,13 @@ fn a_fit_and_its_atlas_belong_together() {
     // resuming finds a texture that is gone, and nothing else to do
     fs::remove_file(place.path("fits/rough.atlas.ktx2")).unwrap();
     let ran = place.succeed("fit rough.binary -o fits --atlas --resume");
-    assert_eq!(ran.stderr, "1 fitted (1 were there already): fits/summary.json\n");
+    assert_eq!(ran.stderr, "1 fitted (1 kept): fits/summary.json\n");
     assert!(place.files("fits") == fits);
     let modified = || fs::metadata(place.path("fits/rough.atlas.ktx2")).unwrap().modified().unwrap();
     let before = modified();
     place.succeed("fit rough.binary -o fits --atlas --resume");
     let ran = place.succeed("atlas fits/rough.json -o fits --resume");
-    assert_eq!(ran.stderr, "1 atlas (1 were there already): fits\n");
+    assert_eq!(ran.stderr, "1 atlas (1 kept): fits\n");
     assert_eq!(modified(), before);
 }
 
@@ -95,7 +95,7 @@ fn a_batch_goes_on_past_bad_inputs() {
         "error: in/a-empty.json: the file is empty (0 bytes), not a fit result",
         "error: in/b-later.json: has schema version 99",
         "error: in/c-text.binary: implausible dimensions",
-        "error: in/z-huge.json: texels that cannot be an atlas",
+        "error: in/z-huge.json: invalid texels",
     ]) {
         assert!(line.starts_with(start), "{line}");
     }
@@ -116,7 +116,7 @@ fn a_batch_goes_on_past_bad_inputs() {
     // of three parts the second has b-later and rough
     let ran = place.run(&format!("{line} --resume --shard 2/3"));
     assert_eq!(ran.code, Some(3), "{}", ran.stderr);
-    assert!(ran.stderr.ends_with("\n1 atlas (1 were there already), 1 failed: out\n"), "{}", ran.stderr);
+    assert!(ran.stderr.ends_with("\n1 atlas (1 kept), 1 failed: out\n"), "{}", ran.stderr);
     let text = format!("atlas in/deeper -o out --resume {FAST} {}", options.replace("json", "text"));
     let table = place.succeed(&text).stdout;
     assert!(table.lines().nth(2).is_some_and(|line| line.starts_with("rough           0 ")), "{table}");
@@ -129,7 +129,7 @@ fn two_materials_of_one_name_are_refused() {
     place.put("in/x.binary", "");
     place.put("red-satin.json", result(&ROUGH));
     for (line, part) in [
-        ("atlas in -o out", "two inputs with the name x; rename one, or give their results different folders"),
+        ("atlas in -o out", "two inputs with the name x; rename one, or write their results to different folders"),
         ("atlas red-satin red-satin.json -o out", "red-satin and red-satin.json: two inputs with the name red-satin"),
     ] {
         let ran = place.run(line);

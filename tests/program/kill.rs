@@ -126,7 +126,7 @@ fn resume_does_again_what_has_other_than_three_channels_and_two_steps() {
         format!("{before}\"steps\": []{}\n  ]", steps.split_once("\n      ]").unwrap().1)
     });
     let ran = place.run("fit in -o out --no-panel --resume");
-    assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), "4 fitted (1 were there already): out/summary.json\n"));
+    assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), "4 fitted (1 kept): out/summary.json\n"));
     assert_eq!(place.files("out"), bytes);
 }
 

@@ -75,7 +75,7 @@ fn fits_of_two_models_are_not_compared() {
     place.succeed("compare ggx ggx --two-sided");
     let ran = place.run("compare ggx sgd");
     assert_eq!(ran.code, Some(3));
-    assert!(ran.stderr.contains("the model differs") && ran.stderr.contains("ggx against sgd"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("the model differs") && ran.stderr.contains("ggx, reference sgd"), "{}", ran.stderr);
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn materials() {
             ("gone.json", 2, "no such file; check the path"),
             ("folder.json", 2, "is a folder; name a file"),
             ("empty.json", 3, "the file is empty (0 bytes), not a fit result"),
-            ("text.json", 3, "is not JSON and so not a fit result"),
+            ("text.json", 3, "is not JSON, and thus not a fit result"),
             ("two.json", 3, "is not a fit result (channels[0]: missing field `parameters`"),
             ("word.json", 3, "is not a fit result (channels[0].parameters.rho_d: invalid type: string"),
             ("domain.json", 3, "channels[0].parameters.rho_d = -0.05 is outside of the model's domain"),
@@ -153,10 +153,10 @@ fn lights() {
             (
                 "nan.exr",
                 3,
-                "cannot be used as an environment map: radiance that no light has: [1.0, NaN, 1.0] at column 3, row 2",
+                "cannot be used as an environment map: invalid radiance: [1.0, NaN, 1.0] at column 3, row 2",
             ),
-            ("infinite.exr", 3, "cannot be used as an environment map: radiance that no light has: [1.0, inf, 1.0]"),
-            ("negative.exr", 3, "cannot be used as an environment map: radiance that no light has: [1.0, -1.0, 1.0]"),
+            ("infinite.exr", 3, "cannot be used as an environment map: invalid radiance: [1.0, inf, 1.0]"),
+            ("negative.exr", 3, "cannot be used as an environment map: invalid radiance: [1.0, -1.0, 1.0]"),
         ],
     );
 }

@@ -44,7 +44,7 @@ fn fits_say_where_their_samples_lie() {
     assert!(document["errors"]["samples"].as_u64().unwrap() > 900_000);
     let first = place.files("out");
     let again = place.succeed("fit in -o out --max-iterations 30 --resume");
-    assert!(again.stderr.contains("1 were there already"), "{}", again.stderr);
+    assert!(again.stderr.contains("(1 kept)"), "{}", again.stderr);
     assert_eq!(place.files("out"), first);
 }
 

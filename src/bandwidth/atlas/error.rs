@@ -1,8 +1,8 @@
-//! Everything that can be wrong with an atlas or with a file that should hold one, sorted by what the user can do.
+//! Errors of atlases and of their files, grouped by remedy.
 
 use std::io;
 
-/// Why an atlas could not be built, written or read. Each message is one line that says what is wrong and what to do; the
+/// Errors of building, writing and reading atlases. Each message is one line with the fault and the remedy; the
 /// caller puts the file's name in front.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -15,7 +15,7 @@ pub enum AtlasError {
     WrongFormat {
         /// The format that was asked for, with an article.
         expected: &'static str,
-        /// What was found instead.
+        /// What was found.
         why: String,
     },
     /// The bytes are in the right format and contradict it or each other.
@@ -27,11 +27,11 @@ pub enum AtlasError {
     /// A sound file that is not an atlas, or is one that this version cannot use.
     #[error("cannot be used as a bandwidth atlas: {why}; use the file as brdfit wrote it")]
     Unsupported {
-        /// What is different from the files that this crate writes.
+        /// The difference from the files that this crate writes.
         why: String,
     },
     /// The texels handed over cannot be an atlas.
-    #[error("texels that cannot be an atlas: {why}; check the material that they were computed from")]
+    #[error("invalid texels: {why}; check the material that they were computed from")]
     Texels {
         /// The first texel or count that is wrong.
         why: String,
@@ -39,7 +39,7 @@ pub enum AtlasError {
 }
 
 impl AtlasError {
-    /// Whether the bytes were read and are wrong, in contrast to bytes that could not be read or written.
+    /// Whether the content is invalid, as opposed to an input or output error.
     #[must_use]
     pub fn is_invalid_input(&self) -> bool {
         !matches!(self, Self::Io(_))

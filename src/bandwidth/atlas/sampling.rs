@@ -14,7 +14,7 @@ const RIM: f32 = 1.550_795;
 /// normal number, so hardware that flushes the others to zero takes the same branch.
 const NO_AZIMUTH: f32 = 1e-12;
 
-/// Where a pair of directions lies in an atlas, for every level.
+/// Position of a pair of directions in an atlas, for every level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtlasPlace {
     /// Column and row of the tile, 0 to 15 each.

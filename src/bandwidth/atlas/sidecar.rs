@@ -1,4 +1,4 @@
-//! The document beside an atlas: all that a program needs to use its texels, in words, formulas and numbers.
+//! The sidecar of an atlas: source, mapping, units, options and statistics.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use crate::wavelet::spectrum::Rule;
 /// could be misled.
 pub const ATLAS_SCHEMA_VERSION: u32 = 1;
 
-/// Where an atlas comes from. Every EXR and KTX2 file carries it.
+/// Origin of an atlas, recorded in every EXR and KTX2 file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Provenance {
     /// Program that computed the atlas, with its version.
@@ -25,10 +25,10 @@ pub struct Provenance {
 pub struct Source {
     /// File name without its folder and extension.
     pub name: String,
-    /// SHA-256 of the whole file, lower-case hexadecimal; absent if it was not asked for.
+    /// SHA-256 of the whole file, lower-case hexadecimal; absent if it was not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
-    /// What kind of file it is: `fit` for the result of a fit, or the format of a measurement (`merl`, `rgl`).
+    /// Kind of file: `fit` for the result of a fit, or the format of a measurement (`merl`, `rgl`).
     pub kind: String,
 }
 
@@ -42,9 +42,9 @@ pub struct AtlasDocument {
     pub program: String,
     /// The material.
     pub source: Source,
-    /// Which incident directions the tiles stand for.
+    /// Incident directions of the tiles.
     pub layout: Layout,
-    /// What a texel holds.
+    /// Channels of a texel.
     pub channels: AtlasChannels,
     /// Names of a texel's values in their order: the channels of the EXR files; R, G, B, A in a KTX2 file.
     pub channel_names: Vec<String>,
@@ -58,19 +58,19 @@ pub struct AtlasDocument {
     pub units: String,
     /// Smallest and largest stored value of level 0.
     pub range: [f32; 2],
-    /// How the values are stored in the files.
+    /// Encoding of the values in the files.
     pub encoding: String,
-    /// From directions to texels and back.
+    /// The mapping between directions and texels.
     pub mapping: Mapping,
-    /// Every option that influenced the values.
+    /// All options that influenced the values.
     pub options: AtlasOptions,
-    /// What happened on the way.
+    /// Statistics of the computation.
     pub statistics: AtlasStatistics,
     /// The files that hold the atlas.
     pub files: Vec<FileEntry>,
 }
 
-/// How stored values relate to computed ones; the text of [`AtlasDocument::encoding`].
+/// Relation of stored to computed values; the text of [`AtlasDocument::encoding`].
 pub const ENCODING: &str = "half precision, rounded towards plus infinity: never below the computed value; \
                             exr-float: single precision, as computed";
 
@@ -112,13 +112,13 @@ pub(crate) fn stored_range(atlas: &Atlas) -> (f32, f32) {
     (f16_rounded_up(low).to_f32(), f16_rounded_up(high).to_f32())
 }
 
-/// The way from directions to texels and back. Directions point away from the surface, i to the light and o to the eye, in
+/// The mapping between directions and texels. Directions point away from the surface, i to the light and o to the eye, in
 /// radians: theta from the normal, phi around it. Every statement is a formula or a short sentence.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Mapping {
-    /// What a value means.
+    /// Meaning of a value.
     pub value: String,
-    /// Where tile t lies.
+    /// Position of tile t.
     pub tile: String,
     /// The incident direction of a tile.
     pub incident: String,
@@ -126,11 +126,11 @@ pub struct Mapping {
     pub tile_of_incident: String,
     /// The outgoing direction of a texel of a tile: angular map, half-texel rule, first row.
     pub outgoing: String,
-    /// Where the light and its mirror direction are in a tile.
+    /// Position of the incident direction and of its mirror direction in a tile.
     pub light: String,
     /// The texel of an outgoing direction.
     pub texel_of_outgoing: String,
-    /// How the levels follow from each other.
+    /// Relation of the levels to each other.
     pub levels: String,
 }
 
@@ -206,27 +206,27 @@ impl Mapping {
     }
 }
 
-/// Every option that influences the values of an atlas.
+/// All options that influence the values of an atlas.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AtlasOptions {
-    /// How a bandwidth follows from the energies per band.
+    /// Rule by which a bandwidth follows from the energies per band.
     pub rule: Rule,
     /// A band is dropped at a pixel where it holds at most delta^2 of the energy there.
     pub delta: f64,
-    /// Calibration: bandwidth is kappa times the reading of the percentile.
+    /// Calibration: bandwidth is kappa times the percentile.
     pub kappa: f64,
-    /// Whether the readings are averaged over the reflections of the wavelet.
+    /// Whether the estimates are averaged over the reflections of the wavelet.
     pub reflections: bool,
-    /// A lobe goes on at the next resolution where its finest level holds more than this share of its energy.
+    /// A lobe is refined to the next resolution where its finest level holds more than this share of its energy.
     pub finest_share: f64,
     /// Resolutions of the lobe images that were allowed, pixels along one side, increasing.
     pub resolutions: Vec<u32>,
 }
 
-/// What happened while an atlas was computed.
+/// Statistics of the computation of an atlas.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AtlasStatistics {
-    /// How many tiles were taken from lobe images of each resolution, increasing.
+    /// Number of tiles computed from lobe images of each resolution, increasing.
     pub tiles_per_resolution: Vec<TileCount>,
     /// Tiles t whose lobe was still too sharp for the highest resolution, increasing: their values are lower bounds.
     pub saturated_tiles: Vec<usize>,
@@ -237,20 +237,20 @@ pub struct AtlasStatistics {
 pub struct TileCount {
     /// Pixels along one side of the lobe image.
     pub resolution: u32,
-    /// How many tiles.
+    /// Number of tiles.
     pub tiles: usize,
 }
 
 /// One file that holds the atlas.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct FileEntry {
-    /// File name; the file lies beside the document.
+    /// File name, in the folder of the document.
     pub name: String,
-    /// What is in it.
+    /// Its content.
     pub content: FileContent,
 }
 
-/// What a file holds.
+/// Content of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FileContent {
@@ -260,6 +260,6 @@ pub enum FileContent {
     ExrFloat,
     /// KTX2, mip levels in half precision.
     Ktx2Half,
-    /// PNG of level 0 to look at; its values are not bandwidths.
+    /// PNG preview of level 0; its values are not bandwidths.
     PngPreview,
 }

@@ -19,7 +19,7 @@ pub const UNITS: &str = "cycles per radian";
 /// Largest texel, the largest finite number of half precision.
 pub const LARGEST: f32 = 65504.0;
 
-/// Which incident directions the tiles stand for.
+/// Incident directions of the tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Layout {
@@ -40,13 +40,13 @@ impl Layout {
     }
 }
 
-/// What a texel holds.
+/// Channels of a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AtlasChannels {
-    /// One value, the maximum over the colours.
+    /// One channel, the maximum over red, green and blue.
     Max,
-    /// Four values: red, green, blue and the maximum of the three.
+    /// Four channels: red, green, blue and the maximum of the three.
     Rgba,
 }
 
@@ -141,13 +141,13 @@ impl Atlas {
         Ok(Self { layout, channels, levels })
     }
 
-    /// Which incident directions the tiles stand for.
+    /// Incident directions of the tiles.
     #[must_use]
     pub fn layout(&self) -> Layout {
         self.layout
     }
 
-    /// What a texel holds.
+    /// Channels of a texel.
     #[must_use]
     pub fn channels(&self) -> AtlasChannels {
         self.channels

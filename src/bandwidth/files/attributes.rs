@@ -1,10 +1,10 @@
-//! What EXR and KTX2 files say about an atlas beside its texels.
+//! Metadata of an atlas in EXR and KTX2 files.
 
 use crate::atlas::error::AtlasError;
 use crate::atlas::sidecar::{ATLAS_SCHEMA_VERSION, Mapping, Provenance, Source};
 use crate::atlas::texture::{Atlas, Layout, UNITS};
 
-/// The texts that EXR and KTX2 files carry beside the texels, sorted by key.
+/// The metadata of EXR and KTX2 files, sorted by key.
 pub(crate) fn attributes(atlas: &Atlas, provenance: &Provenance, encoding: &str) -> Vec<(&'static str, String)> {
     let source = &provenance.source;
     let mut list = vec![

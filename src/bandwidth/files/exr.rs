@@ -52,7 +52,7 @@ impl Samples {
 /// The file as bytes, the same for every number of threads.
 ///
 /// # Errors
-/// Whatever the encoder refuses; none is known for a valid atlas.
+/// Errors of the encoder; none is known for a valid atlas.
 pub fn to_bytes(atlas: &Atlas, provenance: &Provenance, samples: Samples) -> Result<Vec<u8>, AtlasError> {
     let headers: Headers = (0..LEVELS).map(|k| header(k, atlas, provenance, samples)).collect();
     let requirements = MetaData::validate(&headers, true).map_err(from_exr)?;

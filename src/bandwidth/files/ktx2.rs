@@ -18,7 +18,7 @@ use crate::files::{atlas_of_levels, read_all};
 
 /// Bytes of one stored value, which are also the `typeSize` of both formats.
 const VALUE: usize = 2;
-/// Where the primaries lie in the data format descriptor: 4 bytes of total size, 8 of block header, the colour model.
+/// Offset of the primaries in the data format descriptor: 4 bytes of total size, 8 of block header, the colour model.
 const PRIMARIES: usize = 13;
 
 fn format(channels: AtlasChannels) -> Format {

@@ -9,7 +9,7 @@ use crate::lobe::transform::LobeEnergies;
 use crate::lobe::window_choice::window;
 use crate::wavelet::local_bandwidth::Estimator;
 
-/// How the lobes of a material are estimated.
+/// Options of the estimation of lobes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LobeOptions {
     /// The estimator; its border is always reflected.
@@ -34,11 +34,11 @@ pub struct Lobe {
     pub texels: [Vec<f32>; 3],
     /// Samples along a side on which it was estimated.
     pub resolution: usize,
-    /// Whether the finest level still held too much at the highest resolution: the lobe is sharper than the map tells.
+    /// Whether the finest level still held too much at the highest resolution: the map is a lower bound.
     pub saturated: bool,
 }
 
-/// A material made ready to have the bandwidth of its lobes estimated (Bagher 2013, section 2.3; docs/theory.md, "Lobes").
+/// Estimates the bandwidth of the lobes of a material (Bagher 2013, section 2.3; docs/theory.md, "Lobes").
 pub struct LobeEstimator<'a> {
     sampler: LobeSampler<'a>,
     options: LobeOptions,

@@ -29,7 +29,7 @@ struct Strip {
     log2_scale: Vec<f32>,
 }
 
-/// The samples of all resolutions; they depend on nothing, and what nobody asks for is not computed. Make one for all materials:
+/// The samples of all resolutions; independent of the material and computed on demand. Share one between materials:
 /// at most 25 MB.
 #[derive(Debug)]
 pub struct LobeGrid {
@@ -75,7 +75,7 @@ impl LobeGrid {
     }
 }
 
-/// A material made ready to be sampled on a [`LobeGrid`].
+/// A material prepared for sampling on a [`LobeGrid`].
 pub(crate) struct LobeSampler<'a> {
     brdf: &'a dyn Brdf,
     grid: &'a LobeGrid,

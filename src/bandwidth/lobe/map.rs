@@ -1,4 +1,4 @@
-//! From the energies of a lobe to the map of its bandwidth.
+//! The bandwidth map of a lobe from the energies of its bands.
 
 use crate::lobe::grid::{BASE_LEVELS, LOBE_TEXELS, LobeGrid, RESOLUTIONS};
 use crate::lobe::window_filter::Window;
@@ -23,7 +23,7 @@ struct Raster {
     pixels: Pixels,
 }
 
-/// Where lobes are evaluated.
+/// Incident directions at which lobes are evaluated.
 pub(crate) struct Rasters {
     /// Per resolution, samples at [`WITHIN`], and then those that together are all pixels of a texel.
     rasters: [Vec<Raster>; RESOLUTIONS],
@@ -52,7 +52,7 @@ pub(crate) struct MapMemory {
     lines: Vec<f32>,
 }
 
-/// What the map of a channel is made of.
+/// Inputs of the map of a channel.
 pub(crate) struct MapInput<'a> {
     pub(crate) energies: &'a Energies,
     /// The windows of the finer resolutions, finest last.

@@ -1,4 +1,4 @@
-//! The samples of one lobe: all of it at the coarsest resolution, a window of it at each finer one.
+//! The samples of one lobe: the whole lobe at the coarsest resolution, a window at each finer one.
 
 use std::ops::Range;
 
@@ -26,7 +26,7 @@ pub(crate) struct SampledLobe {
 }
 
 impl SampledLobe {
-    /// How often the resolution was doubled.
+    /// Number of doublings of the resolution.
     pub(crate) fn resolution(&self) -> usize {
         self.windows.len()
     }

@@ -1,4 +1,4 @@
-//! The part of a lobe that is worth a higher resolution.
+//! Selection of the window of a lobe that needs a higher resolution.
 
 use std::ops::Range;
 

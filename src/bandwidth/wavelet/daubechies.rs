@@ -22,7 +22,7 @@ impl Real for f64 {
     }
 }
 
-/// How a signal goes on beyond its ends.
+/// Border extension of a signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Border {
     /// Reflected by half a sample: `x[-1] = x[0]`, `x[n] = x[n-1]`. The transform stays invertible, but is not orthonormal in the

@@ -30,7 +30,7 @@ pub(crate) struct Energies {
     pub(crate) mean: Plane,
 }
 
-/// Which sides of an image were exchanged before it was transformed.
+/// Axes along which an image was mirrored before the transform.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Reflected {
     /// Left and right.

@@ -8,7 +8,7 @@ use crate::wavelet::energy_interpolation::{Axis, RowSamples, interpolate_row};
 use crate::wavelet::pyramid::{COARSEST, Pyramid, level_count};
 use crate::wavelet::spectrum::{Rule, Spectra};
 
-/// How local bandwidths are estimated; the default is what the atlas uses.
+/// Options of the estimation of local bandwidth; the default is that of the atlas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimator {
     /// From energies per band to a frequency.
@@ -17,7 +17,7 @@ pub struct Estimator {
     pub delta: f64,
     /// Average over the four reflections of the image: the wavelet is not symmetric.
     pub reflections: bool,
-    /// How the image goes on beyond its sides.
+    /// Border extension of the image.
     pub border: Border,
 }
 
@@ -29,7 +29,7 @@ impl Default for Estimator {
 
 impl Estimator {
     /// The factor from the percentile of the energies to the bandwidth of the signal: the inverse of the median overestimate on
-    /// sine gratings (docs/accuracy.md). The epsilon rule is left as it is published: 1.
+    /// sine gratings (docs/accuracy.md). 1 for the epsilon rule, as published.
     pub fn kappa(&self) -> f64 {
         match self.rule {
             Rule::Percentile(_) if self.reflections => 0.471,

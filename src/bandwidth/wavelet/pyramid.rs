@@ -34,7 +34,7 @@ pub struct Bands<T> {
 pub struct Pyramid<T> {
     /// Detail bands, finest first.
     pub levels: Vec<Bands<T>>,
-    /// What is left after the last level, row-major: the local mean times `2^levels`.
+    /// The residual after the last level, row-major: the local mean times `2^levels`.
     pub approximation: Vec<T>,
     /// The approximation of the level before.
     previous: Vec<T>,
@@ -99,14 +99,14 @@ pub(crate) struct Image<'a, T> {
 }
 
 impl<T> Image<'_, T> {
-    /// How many rows are given.
+    /// Number of rows.
     fn given(&self) -> usize {
         let given = self.samples.len() / self.columns;
         assert!(given == self.rows || given == self.rows / 2, "{given} of {} rows", self.rows);
         given
     }
 
-    /// Whether the work is worth being shared among threads.
+    /// Whether the work is large enough for several threads.
     fn is_large(&self) -> bool {
         self.rows * self.columns >= PARALLEL
     }

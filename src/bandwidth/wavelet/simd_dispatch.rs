@@ -1,4 +1,4 @@
-//! Loops compiled for the widest vectors that the processor has.
+//! Run-time dispatch of loops to the widest vector instructions of the processor.
 
 /// Runs a closure, which the caller marks `#[inline(always)]`, compiled for the processor's vector instructions. The compiler
 /// neither reorders sums nor contracts products and sums, so the results are the same bytes on every processor.

@@ -1,9 +1,9 @@
-//! From the energies per band at a pixel to one bandwidth: the noise rule, the percentile, and the epsilon rule.
+//! The bandwidth at a pixel from its energies per band: the noise rule, the percentile and the epsilon rule.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How the bandwidth of a pixel follows from its energies per band.
+/// Rule by which the bandwidth of a pixel follows from its energies per band.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rule {

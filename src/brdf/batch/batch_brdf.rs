@@ -1,4 +1,4 @@
-//! Many pairs of directions at once: what renderers sample and evaluate.
+//! Batched BRDFs for renderers: evaluation, density and sampling of many pairs of directions.
 
 /// A BRDF for shading: see [`crate::Brdf::batch`].
 ///
@@ -6,8 +6,8 @@
 /// as they are. Every entry is independent of the others and may belong to another shading point. The direction o towards the eye
 /// is known, the direction i towards the light is drawn; the crate's documentation has the contract of the random numbers.
 pub trait BatchBrdf: Send + Sync {
-    /// Draws a direction i for each o from two numbers in [0, 1), choice and azimuth; a draw that ends below the horizon has z <= 0 and counts as
-    /// a sample of value zero.
+    /// Draws a direction i for each o from two numbers in [0, 1), choice and azimuth; a draw that ends below the horizon has
+    /// z <= 0 and counts as a sample of value zero.
     ///
     /// # Panics
     /// If the arrays differ in length.

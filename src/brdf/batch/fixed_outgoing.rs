@@ -1,4 +1,4 @@
-//! Many outgoing directions at once: what precomputations over whole lobes evaluate.
+//! Batched evaluation for fixed outgoing directions, for precomputation over whole lobes.
 
 use crate::math::direction::Direction;
 
@@ -14,7 +14,7 @@ pub struct Directions {
 }
 
 impl Directions {
-    /// How many there are.
+    /// Number of directions.
     pub fn len(&self) -> usize {
         self.z.len()
     }

@@ -1,4 +1,4 @@
-//! Directions drawn by half vectors of GGX distributions and by the cosine, one at a time in double precision.
+//! Mixture sampling of GGX half vectors and a cosine lobe, one direction at a time in double precision.
 
 use crate::distributions::ggx::Ggx;
 use crate::distributions::normal_distribution::NormalDistribution;

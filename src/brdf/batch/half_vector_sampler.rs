@@ -1,4 +1,4 @@
-//! Directions drawn by half vectors and by the cosine, eight at a time.
+//! Mixture sampling of half vectors and a cosine lobe, eight directions at a time.
 
 use crate::batch::half_vector_table::HalfVectorTable;
 use crate::math::simd::{by_eights, cos_sin_of_turns};
@@ -8,7 +8,7 @@ use wide::f32x8;
 /// `tan^2 theta_h` is cut here; its square stays finite.
 const LARGEST_TAN_SQUARE: f32 = 1e9;
 
-/// What distributions need to know of the half vectors of eight pairs of directions.
+/// Quantities of the half vectors of eight pairs of directions that distributions need.
 #[derive(Clone, Copy, Debug)]
 pub struct HalfVectors {
     /// `tan^2 theta_h`, at most 1e9.

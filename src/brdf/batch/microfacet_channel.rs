@@ -5,7 +5,7 @@ use crate::models::microfacet::Microfacet;
 use std::f64::consts::PI;
 use wide::f32x8;
 
-/// What does not depend on directions.
+/// Quantities that do not depend on directions.
 #[derive(Clone, Debug)]
 pub(crate) struct MicrofacetChannel<L> {
     diffuse: f32,
@@ -16,7 +16,7 @@ pub(crate) struct MicrofacetChannel<L> {
     f1: f32,
 }
 
-/// What the channels share of eight half vectors.
+/// Quantities of eight half vectors that the channels share.
 #[derive(Clone, Copy)]
 pub(crate) struct HalfAngles {
     pub(crate) tan_square: f32x8,

@@ -1,5 +1,5 @@
-//! What a distribution of microfacet normals offers. Whoever implements it has a model: evaluated, sampled, fitted and
-//! written to documents through [`crate::Microfacet`].
+//! The interface of distributions of microfacet normals. An implementation yields a complete model,
+//! which is evaluated, sampled, fitted and written to documents through [`crate::Microfacet`].
 
 use crate::masking::masking::{Masking, MaskingLanes};
 use crate::models::parameter::{Parameter, ParameterError};
@@ -21,7 +21,7 @@ pub trait NormalDistribution<const N: usize>: Copy + Debug + PartialEq + Send + 
     const DIVISOR: f64;
     /// The shape parameters, each with the range and the transform of its unknown in the fit.
     const SHAPE: [Parameter; N];
-    /// Where the fit of the distribution starts unless it is told otherwise: shapes inside of the ranges.
+    /// Default starting points of the fit of the distribution: shapes within the ranges.
     const STARTS: &'static [[f64; N]];
     /// Spacing, in the unknowns, of the table from which the search of the fit takes `G1`; `None` where `G1` itself costs less.
     const SEARCH_LATTICE: Option<[f64; N]> = None;
@@ -38,7 +38,7 @@ pub trait NormalDistribution<const N: usize>: Copy + Debug + PartialEq + Send + 
     /// The distribution with these shape parameters, in the order of [`Self::SHAPE`].
     ///
     /// # Errors
-    /// For the first parameter outside of the domain.
+    /// The first parameter outside of the domain.
     fn from_shape(shape: [f64; N]) -> Result<Self, ParameterError>;
 
     /// The shape parameters.

@@ -1,4 +1,4 @@
-//! Smith's `G1` of one distribution as a piecewise polynomial, for evaluations by the million.
+//! Smith's `G1` of one distribution as a piecewise polynomial, for fast evaluation.
 
 use crate::masking::masking::Masking;
 
@@ -34,7 +34,7 @@ impl G1Curve {
         Self { first: first + OFFSET as i32, intervals, low: [samples[2] - slope * node(first), slope] }
     }
 
-    /// Where in the table a direction lies, `ln(cot theta)` in steps: depends on the direction alone, so that a fixed set of
+    /// Position of a direction in the table, `ln(cot theta)` in steps: depends on the direction alone, so that a fixed set of
     /// directions computes it once for all materials. For cosines and sines of at least 1e-30.
     pub fn position(cos_theta: f64, sin_theta: f64) -> f64 {
         libm::log(cos_theta / sin_theta) * (1.0 / STEP) + OFFSET

@@ -1,4 +1,4 @@
-//! What the evaluation of a model needs to know of a masking function.
+//! The interface of masking functions for the evaluation of models.
 
 use std::fmt::Debug;
 use wide::{f32x8, f64x4};

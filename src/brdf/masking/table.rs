@@ -1,4 +1,4 @@
-//! Smith's masking of three channels for directions that change all the time.
+//! Smith's masking of three channels as a table, for arbitrary directions.
 
 use crate::masking::curve::G1Curve;
 use crate::masking::masking::{Masking, MaskingLanes};

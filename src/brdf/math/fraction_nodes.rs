@@ -1,10 +1,10 @@
-//! Places in tables whose nodes are the numbers in single precision with a short fraction.
+//! Positions in tables whose nodes are the single-precision numbers with a short fraction.
 
 use wide::{bytemuck::cast, f32x8, i32x8};
 
 /// Nodes per power of two, as bits of a number's fraction.
 const FRACTION_BITS: u32 = 5;
-/// What is left of the fraction: the place between two nodes.
+/// The rest of the fraction: the position between two nodes.
 const REST_BITS: u32 = 23 - FRACTION_BITS;
 const REST_MASK: i32 = (1 << REST_BITS) - 1;
 

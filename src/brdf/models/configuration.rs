@@ -1,4 +1,4 @@
-//! What models need to know of a pair of directions.
+//! The angles of a pair of directions that models depend on.
 
 use crate::math::direction::HalfDifference;
 

@@ -11,14 +11,14 @@ use std::borrow::Cow;
 /// Version of the layout of fits, summaries and materials; it rises when a program that reads the present one could be misled.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// Why a document is not that of a material; each message is one line and names the member by its path.
+/// Errors of reading the material of a document; each message is one line and names the member by its path.
 #[derive(Debug, thiserror::Error)]
 pub enum MaterialError {
     /// The text is not JSON.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
     /// A later program wrote it.
-    #[error("has schema version {found}, this program knows {SCHEMA_VERSION}")]
+    #[error("has schema version {found}; this program reads {SCHEMA_VERSION}")]
     Version {
         /// The document's version.
         found: u32,
@@ -28,7 +28,7 @@ pub enum MaterialError {
     Member {
         /// Its path, as `channels[1].parameters.alpha`; that of its owner if it is missing; `document` for the whole.
         path: String,
-        /// What is wrong with it.
+        /// The fault.
         problem: String,
     },
     /// A parameter lies where the model cannot be evaluated.
@@ -44,7 +44,7 @@ impl MaterialParameters {
     /// Without `model` it is "sgd". Members that it does not know are skipped.
     ///
     /// # Errors
-    /// [`MaterialError`] for the first thing that is wrong.
+    /// [`MaterialError`] for the first invalid member.
     pub fn read(json: &[u8]) -> Result<Self, MaterialError> {
         let document: Value = serde_json::from_slice(json)?;
         let document = Member { path: String::new(), value: &document };
@@ -229,9 +229,9 @@ mod tests {
             document[name] = value;
             MaterialParameters::read(document.to_string().as_bytes()).unwrap_err().to_string()
         };
-        assert_eq!(with("schema_version", 2.into()), "has schema version 2, this program knows 1");
+        assert_eq!(with("schema_version", 2.into()), "has schema version 2; this program reads 1");
         assert!(with("schema_version", "1".into()).starts_with("schema_version: invalid type"));
-        assert_eq!(with("model", "phong".into()), "model: expected \"sgd\" or \"ggx\", is \"phong\"");
+        assert_eq!(with("model", "phong".into()), "model: expected \"sgd\" or \"ggx\", found \"phong\"");
         assert!(matches!(MaterialParameters::read(b"{"), Err(MaterialError::Json(_))));
         // a number that no double holds
         let overflow = written().to_string().replace("0.0625", "1e999");

@@ -14,7 +14,7 @@ impl GgxMaterial {
     /// `rho_s = 1 - rho_d` no more is reflected than received.
     ///
     /// # Errors
-    /// Where a scale is not finite, rho_d is negative, or alpha lies outside of [`Ggx::ALPHA_RANGE`].
+    /// If a scale is not finite, rho_d is negative, or alpha lies outside of [`Ggx::ALPHA_RANGE`].
     pub fn without_fresnel(rho_d: [f64; 3], rho_s: [f64; 3], alpha: f64) -> Result<Self, ParameterError> {
         let of = |c: usize| MicrofacetParameters { rho_d: rho_d[c], rho_s: rho_s[c], shape: [alpha], f0: 1.0, f1: 0.0 };
         let channels = channels([0, 1, 2].map(of))?;

@@ -12,13 +12,13 @@ pub struct MaterialParameters {
     channels: [Vec<f64>; 3],
 }
 
-/// Why values are not the parameters of a material.
+/// Errors of the parameters of a material.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("channel {channel}: {error}")]
 pub struct ChannelError {
     /// 0, 1, 2 for R, G, B.
     pub channel: usize,
-    /// Which parameter, with its domain.
+    /// The parameter, with its domain.
     pub error: ParameterError,
 }
 

@@ -97,7 +97,7 @@ impl<D: NormalDistribution<N>, const N: usize> Microfacet<D, N> {
     /// The model with these parameters.
     ///
     /// # Errors
-    /// Where a parameter is not finite, rho_d is negative, or the distribution refuses its shape.
+    /// If a parameter is not finite, rho_d is negative, or the distribution rejects its shape.
     pub fn new(parameters: impl Into<MicrofacetParameters<N>>) -> Result<Self, ParameterError> {
         let parameters: MicrofacetParameters<N> = parameters.into();
         let MicrofacetParameters { rho_d, rho_s, shape, f0, f1 } = parameters;

@@ -43,7 +43,7 @@ impl<D: NormalDistribution<N>, const N: usize> MicrofacetMaterial<D, N> {
     /// The material with these parameters of R, G and B.
     ///
     /// # Errors
-    /// As [`Microfacet::new`], for the first channel that it refuses.
+    /// As [`Microfacet::new`], for the first channel that it rejects.
     pub fn new(parameters: [impl Into<MicrofacetParameters<N>>; 3]) -> Result<Self, ParameterError> {
         let channels = channels(parameters)?;
         // shares by the albedo at 45 degrees, the lobes together between 0.1 and 0.95

@@ -1,4 +1,4 @@
-//! What documents, tables, error panels and renderers know of a model: this, and nothing else.
+//! The interface of models for documents, tables, error panels and renderers.
 
 use crate::brdf::Brdf;
 use crate::models::configuration::Configuration;
@@ -19,13 +19,13 @@ pub trait Model: Send + Sync + 'static {
     /// One channel.
     ///
     /// # Errors
-    /// For the first value outside of the model's domain.
+    /// The first value outside of the model's domain.
     fn channel(&self, values: &[f64]) -> Result<Box<dyn ChannelModel>, ParameterError>;
 
     /// A material of three channels (R, G, B), ready to be evaluated and sampled.
     ///
     /// # Errors
-    /// For the first value outside of the model's domain.
+    /// The first value outside of the model's domain.
     fn material(&self, channels: [&[f64]; 3]) -> Result<Box<dyn Brdf>, ParameterError>;
 }
 

@@ -1,4 +1,4 @@
-//! What is known of a model's parameters.
+//! Descriptions of the parameters of models.
 
 /// One parameter of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -7,17 +7,17 @@ pub struct Parameter {
     pub name: &'static str,
     /// Its symbol: a letter with an index, `("ρ", "d")`, the index empty where there is none.
     pub symbol: (&'static str, &'static str),
-    /// What it means, one sentence; the text of the schema.
+    /// Its meaning in one sentence, the description in the schema.
     pub meaning: &'static str,
     /// Its unit; empty for a number without dimension.
     pub unit: &'static str,
-    /// How the fit's unknown follows from it.
+    /// Relation of the unknown of the fit to the parameter.
     pub transform: Transform,
     /// Between which values the fit searches.
     pub range: [f64; 2],
 }
 
-/// How an unknown of the fit follows from a parameter.
+/// Relation of an unknown of the fit to a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transform {
     /// It is the parameter.
@@ -56,11 +56,11 @@ impl Transform {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{name} = {value} is outside of the model's domain: {domain}")]
 pub struct ParameterError {
-    /// Which parameter.
+    /// The parameter.
     pub name: &'static str,
     /// Its value.
     pub value: f64,
-    /// What it may be.
+    /// Its domain.
     pub domain: &'static str,
 }
 

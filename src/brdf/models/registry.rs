@@ -1,4 +1,4 @@
-//! The models: one line each.
+//! The registry of models, one line each.
 
 use crate::brdf::Brdf;
 use crate::distributions::normal_distribution::NormalDistribution;
@@ -83,7 +83,7 @@ impl fmt::Display for ModelName {
 
 /// A name that no model has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("expected {}, is {name:?}", names())]
+#[error("expected {}, found {name:?}", names())]
 pub struct UnknownModel {
     /// The name.
     pub name: String,
@@ -150,6 +150,6 @@ mod tests {
             assert!((1..names.len()).all(|n| !names[..n].contains(&names[n])), "{names:?}");
         }
         let error = "phong".parse::<ModelName>().unwrap_err().to_string();
-        assert_eq!(error, "expected \"sgd\" or \"ggx\", is \"phong\"");
+        assert_eq!(error, "expected \"sgd\" or \"ggx\", found \"phong\"");
     }
 }

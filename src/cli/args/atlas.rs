@@ -1,4 +1,4 @@
-//! `brdfit atlas` as it is typed.
+//! Command-line arguments of `brdfit atlas`.
 
 use std::path::PathBuf;
 
@@ -15,81 +15,80 @@ use crate::args::value_enums::{ChannelsArg, ContainerArg, LayoutArg, PositionArg
 #[derive(Debug, Args)]
 pub(crate) struct AtlasArgs {
     /// Measured files (MERL .binary, RGL .bsdf), results of `brdfit fit`,
-    /// folders (every measured file and every fit in them; other .json
-    /// documents, such as summaries, are passed over), names of embedded materials, or @LIST: a text file with
+    /// folders (every measured file and every fit in them; other .json files
+    /// are ignored), names of embedded materials, or @LIST: a text file with
     /// one path per line, as for `brdfit fit`
     #[arg(value_name = "INPUT", required = true)]
     pub(crate) inputs: Vec<PathBuf>,
 
-    /// Look in the folders inside of folders too
+    /// Search folders recursively
     #[arg(long)]
     pub(crate) recursive: bool,
 
     /// Folder for the textures <name>.atlas.ktx2 and <name>.atlas.exr, and
-    /// for <name>.atlas.json, which says how to use them
+    /// their sidecar <name>.atlas.json
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub(crate) output: PathBuf,
 
-    /// Which textures
+    /// Texture formats
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "ktx2,exr", help_heading = OUTPUT)]
     pub(crate) formats: Vec<ContainerArg>,
 
-    /// Numbers in the OpenEXR file [default: half]
+    /// Sample type of the OpenEXR file [default: half]
     #[arg(long, value_name = "TYPE", help_heading = OUTPUT)]
     pub(crate) exr_samples: Option<SamplesArg>,
 
-    /// What a texel holds
+    /// Channels of a texel
     #[arg(long, value_name = "WHAT", default_value = "max", help_heading = OUTPUT)]
     pub(crate) channels: ChannelsArg,
 
-    /// What the 256 tiles stand for
+    /// Incident directions of the 256 tiles
     #[arg(long, value_name = "WHAT", default_value = "isotropic", help_heading = OUTPUT)]
     pub(crate) layout: LayoutArg,
 
-    /// Draw the atlas to <name>.atlas.png, to look at
+    /// Write a false-colour preview, <name>.atlas.png
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) preview: bool,
 
-    /// Print what was made: range and resolution of each atlas, or a list of
-    /// the documents [default: nothing]
+    /// Print a report: range and resolution of each atlas as text, or the
+    /// list of sidecars as JSON [default: none]
     #[arg(long, value_name = "FORMAT", help_heading = OUTPUT)]
     pub(crate) format: Option<Format>,
 
-    /// Skip materials whose atlas is there, made by this version with the
-    /// same options from a file with the same hash
+    /// Keep existing results made by this version with the same options from
+    /// the same input
     #[arg(long, help_heading = BATCH)]
     pub(crate) resume: bool,
 
-    /// Take every N-th input only, starting with the I-th (from 1)
+    /// Process shard I of N: every N-th input, starting with the I-th
     #[arg(long, value_name = "I/N", help_heading = BATCH)]
     pub(crate) shard: Option<String>,
 
-    /// Where in its cell a measured sample lies [default: edge; RGL: always
-    /// centre]
+    /// Position of a measured sample within its cell [default: edge; RGL:
+    /// always centre]
     #[arg(long, value_name = "WHERE", help_heading = BATCH)]
     pub(crate) sample_position: Option<PositionArg>,
 
-    /// Take NaN and infinite values for cells without a measurement instead
-    /// of refusing the file
+    /// Treat NaN and infinite values as missing instead of rejecting the file
     #[arg(long, help_heading = BATCH)]
     pub(crate) accept_non_finite: bool,
 
-    /// Bandwidth below which this share of the energy lies, percent
+    /// Percentile of the spectral energy that defines the bandwidth
     #[arg(long, value_name = "P", default_value_t = 95.0, help_heading = ESTIMATION, allow_negative_numbers = true)]
     pub(crate) percentile: f64,
 
-    /// Instead of the percentile, the published rule: the finest level whose
-    /// coefficients reach E times the largest; reads about four times too
-    /// high
+    /// Use the published rule instead of the percentile: the finest level
+    /// whose coefficients reach E times the largest (about four times too
+    /// high)
     #[arg(long, value_name = "E", conflicts_with = "percentile", help_heading = ESTIMATION, allow_negative_numbers = true)]
     pub(crate) epsilon: Option<f64>,
 
-    /// Drop bands with less than D^2 of the energy at a pixel
+    /// Ignore bands with less than D^2 of the energy at a pixel
     #[arg(long, value_name = "D", default_value_t = LobeOptions::default().estimator.delta, help_heading = ESTIMATION,
           allow_negative_numbers = true)]
     pub(crate) delta: f64,
 
-    /// Take the wavelet as it is instead of averaging over its reflections
+    /// Do not average over the reflections of the wavelet
     #[arg(long, help_heading = ESTIMATION)]
     pub(crate) no_reflections: bool,
 
@@ -107,7 +106,7 @@ pub(crate) struct AtlasArgs {
 
 const ESTIMATION: &str = "Estimation";
 
-/// What stands below the options in the help.
+/// Text below the options in the help.
 pub(super) fn examples() -> String {
     format!("{EXAMPLES}\n\n{}", embedded_materials::list())
 }
@@ -118,5 +117,5 @@ Examples:
   brdfit atlas brdfs -o atlases --resume       of each measured file
   brdfit atlas red-satin -o out --preview      of an embedded material
   brdfit atlas x.binary -o out --channels rgba --exr-samples float
-  brdfit export wgsl                           how a shader samples it
-A bad input is reported, and the rest is done.";
+  brdfit export wgsl                           shader functions that sample it
+An invalid input is reported; the batch continues.";

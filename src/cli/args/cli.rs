@@ -13,25 +13,25 @@ use crate::args::measured::{self, InfoArgs, SynthArgs};
 use crate::args::render::{self, RenderArgs};
 use crate::args::texts::{self, CompletionsArgs, ExportArgs, ManArgs, SchemaArgs};
 
-/// Fit measured isotropic BRDFs (MERL, RGL) with the SGD microfacet model.
+/// Fit microfacet models to measured isotropic BRDFs (MERL, RGL), precompute
+/// bandwidth atlases and render adaptively.
 #[derive(Debug, Parser)]
 #[command(name = "brdfit", version, max_term_width = 80, after_help = AFTER_HELP, disable_help_subcommand = true)]
 #[command(subcommand_required = true, arg_required_else_help = false)]
 pub(crate) struct Cli {
-    /// Threads to compute with [default: one per core]; results do not
-    /// depend on it
+    /// Number of threads [default: one per core]; does not affect results
     #[arg(long, value_name = "N", global = true, help_heading = GLOBAL, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 
-    /// Print errors only
+    /// Print only errors
     #[arg(long, short, global = true, help_heading = GLOBAL, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
 
-    /// Say what is going on; twice for more
+    /// Verbose output; -vv for debug
     #[arg(long, short, global = true, help_heading = GLOBAL, action = ArgAction::Count)]
     pub(crate) verbose: u8,
 
-    /// When to use colour; NO_COLOR is honoured
+    /// When to use colour; respects NO_COLOR
     #[arg(long, value_name = "WHEN", global = true, help_heading = GLOBAL, default_value = "auto")]
     pub(crate) color: ColorChoice,
 
@@ -41,47 +41,47 @@ pub(crate) struct Cli {
 
 const AFTER_HELP: &str = "\
 Exit codes:
-  0    done
-  1    the command line makes no sense
+  0    success
+  1    invalid usage
   2    a file could not be read or written
-  3    an input is not what it should be
+  3    an input is invalid
   4    a computation failed
   7    a comparison found a difference beyond its tolerance
-  130  interrupted (Ctrl-C); nothing half-written is left
-  A batch goes on past a bad file and ends with the largest code that occurred.
+  130  interrupted (Ctrl-C); no partial file is left
+  A batch continues after an invalid input; its exit code is the largest one.
 
 Examples:
   brdfit demo -o out                 fit an embedded material, draw its slices
   brdfit fit brdfs -o fits           fit every measured file in the folder brdfs
-  brdfit info brdfs/*.binary         look at files before trusting them
-  brdfit atlas fits -o atlases       the bandwidth of each lobe, for a GPU
+  brdfit info brdfs/*.binary         check files before fitting them
+  brdfit atlas fits -o atlases       a bandwidth atlas of each fit
   brdfit render scene.json -o scene.exr --png scene.png
-                                     look at materials, shaded where it matters
+                                     render materials adaptively
   brdfit synth fits/x.json -o x.binary
-                                     turn a fit back into a MERL file
-`brdfit COMMAND --help` has the options and examples of each command.";
+                                     write a fit as a MERL file
+Run `brdfit COMMAND --help` for the options and examples of a command.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Fit measured files: one JSON document per material and a summary
     #[command(after_help = fit::EXAMPLES)]
     Fit(Box<FitArgs>),
-    /// Precompute the angular bandwidth of every lobe, as a texture
+    /// Precompute bandwidth atlases of fits and measurements
     #[command(after_help = atlas::examples())]
     Atlas(Box<AtlasArgs>),
     /// Render a scene of fitted and measured materials adaptively
     #[command(after_help = render::EXAMPLES)]
     Render(Box<RenderArgs>),
-    /// Print the functions that sample an atlas, for a shader
+    /// Print shader functions that sample a bandwidth atlas
     #[command(after_help = texts::EXPORT_EXAMPLES)]
     Export(ExportArgs),
-    /// Show the state of measured files: validity, range, albedo, hash
+    /// Report on measured files: validity, range, albedo, hash
     #[command(after_help = measured::INFO_EXAMPLES)]
     Info(InfoArgs),
-    /// Make a MERL file from a fit or from an embedded material
+    /// Write a fit or an embedded material as a MERL file
     #[command(after_help = measured::synth_examples())]
     Synth(SynthArgs),
-    /// Compare fits with reference fits, with tolerances
+    /// Compare fits with reference fits within tolerances
     #[command(after_help = compare::EXAMPLES)]
     Compare(CompareArgs),
     /// Join the summaries of a batch that was fitted in shards
@@ -90,7 +90,7 @@ pub(crate) enum Command {
     /// Print the JSON Schema of a document
     #[command(after_help = texts::SCHEMA_EXAMPLES)]
     Schema(SchemaArgs),
-    /// Try everything on an embedded material: fit, atlas, pictures
+    /// Run the whole pipeline on an embedded material
     #[command(after_help = demo::EXAMPLES)]
     Demo(DemoArgs),
     /// Print a completion script for a shell
@@ -101,18 +101,18 @@ pub(crate) enum Command {
     Man(ManArgs),
 }
 
-/// The wish for colour in arguments that have not been parsed yet, or cannot be.
+/// The value of `--color` in arguments that have not been parsed yet, or cannot be.
 pub(crate) fn color_of(arguments: impl Iterator<Item = OsString>) -> ColorChoice {
-    let mut wish = ColorChoice::Auto;
+    let mut choice = ColorChoice::Auto;
     let mut follows = false;
     for argument in arguments.filter_map(|argument| argument.into_string().ok()).take_while(|text| text != "--") {
         let value = if follows { Some(argument.as_str()) } else { argument.strip_prefix("--color=") };
         if let Some(value) = value {
-            wish = ColorChoice::from_str(value, false).unwrap_or(wish);
+            choice = ColorChoice::from_str(value, false).unwrap_or(choice);
         }
         follows = !follows && argument == "--color";
     }
-    wish
+    choice
 }
 
 #[cfg(test)]
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wish_for_colour_is_found_before_parsing() {
+    fn the_choice_of_colour_is_found_before_parsing() {
         let wish = |line: &str| color_of(line.split(' ').map(OsString::from));
         assert_eq!(wish("fit --colour"), ColorChoice::Auto);
         assert_eq!(wish("fit --color never --wrong"), ColorChoice::Never);

@@ -1,4 +1,4 @@
-//! `brdfit compare` as it is typed.
+//! Command-line arguments of `brdfit compare`.
 
 use std::path::PathBuf;
 
@@ -9,16 +9,15 @@ use crate::args::value_enums::Format;
 /// Options of `brdfit compare`.
 #[derive(Debug, Args)]
 pub(crate) struct CompareArgs {
-    /// A result of `brdfit fit`, or a folder of them
+    /// Result of `brdfit fit`, or a folder of results
     #[arg(value_name = "OURS")]
     pub(crate) ours: PathBuf,
 
-    /// The result to compare with, or a folder with one of the same name
-    /// for each
+    /// Result to compare with, or a folder with results of the same names
     #[arg(value_name = "REFERENCE")]
     pub(crate) reference: PathBuf,
 
-    /// Text for people, or JSON
+    /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "text")]
     pub(crate) format: Format,
 
@@ -26,50 +25,50 @@ pub(crate) struct CompareArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Hold a cost that is lower than the reference's against us, too
+    /// Also treat a cost below the reference's as a difference
     #[arg(long, help_heading = TOLERANCES)]
     pub(crate) two_sided: bool,
 
-    /// Warn where the cost of a step is above the reference's by more
+    /// Warn if the cost of a step exceeds the reference's by more than X
     #[arg(long, value_name = "X", default_value = "1e-6", value_parser = tolerance, help_heading = TOLERANCES)]
     pub(crate) cost_warn: f64,
 
-    /// Fail where it is above by more
+    /// Fail if the cost of a step exceeds the reference's by more than X
     #[arg(long, value_name = "X", default_value = "1e-4", value_parser = tolerance, help_heading = TOLERANCES)]
     pub(crate) cost_fail: f64,
 
-    /// Warn where E, L or C differ by more
+    /// Warn if E, L or C differ by more than X
     #[arg(long, value_name = "X", default_value = "1e-3", value_parser = tolerance, help_heading = TOLERANCES)]
     pub(crate) errors_warn: f64,
 
-    /// Fail where they differ by more
+    /// Fail if E, L or C differ by more than X
     #[arg(long, value_name = "X", default_value = "1e-2", value_parser = tolerance, help_heading = TOLERANCES)]
     pub(crate) errors_fail: f64,
 
-    /// Warn where a fitted curve differs by more (root mean square)
+    /// Warn if a fitted curve differs by more than X (root mean square)
     #[arg(long, value_name = "X", default_value = "1e-3", value_parser = tolerance, help_heading = TOLERANCES)]
     pub(crate) curve_warn: f64,
 
-    /// Fail where it differs by more
+    /// Fail if a fitted curve differs by more than X (root mean square)
     #[arg(long, value_name = "X", default_value = "1e-2", value_parser = tolerance, help_heading = TOLERANCES)]
     pub(crate) curve_fail: f64,
 }
 
-const TOLERANCES: &str = "Tolerances (relative; inf switches one off)";
+const TOLERANCES: &str = "Tolerances (relative; inf disables one)";
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
   brdfit compare fits/gold.json reference/gold.json
   brdfit compare fits reference --format json -o comparison.json
-The measured slices must be the same to 1e-9. Step 2 is judged where the costs
-of step 1 agree, on which it depends; curves, E, L and C where both do: other
-minima have other curves. Parameters are not compared: different ones can give
-the same curve. Exit code 7 if anything fails.";
+Measured slices must agree to 1e-9. Step 2 is compared only where the costs of
+step 1 agree, because it depends on step 1; curves, E, L and C only where the
+costs of both steps agree. Parameters are not compared: different parameters
+can give the same curve. The exit code is 7 if any comparison fails.";
 
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value >= 0.0 => Ok(value),
-        _ => Err("a tolerance is a number that is not negative, for instance 1e-6".to_owned()),
+        _ => Err("a tolerance is a non-negative number, for instance 1e-6".to_owned()),
     }
 }
 

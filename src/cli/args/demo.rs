@@ -1,4 +1,4 @@
-//! `brdfit demo` as it is typed.
+//! Command-line arguments of `brdfit demo`.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ pub(crate) struct DemoArgs {
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
 
-    /// Which of the embedded materials
+    /// Embedded material
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(embedded_materials::names()),
           default_value = embedded_materials::default_material().name)]
     pub(crate) material: String,
@@ -25,5 +25,5 @@ pub(super) const EXAMPLES: &str = "\
 Examples:
   brdfit demo -o out
   brdfit demo -o out --material polished-metal
-Then look at out/<name>.svg, .atlas.png and .render.png. The parameters of the
+See out/<name>.svg, .atlas.png and .render.png. The parameters of the embedded
 materials are invented.";

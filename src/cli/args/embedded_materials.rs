@@ -1,7 +1,7 @@
-//! Materials that the program carries with it, to try it without a measurement.
+//! Materials embedded in the program, to try it without a measurement.
 //!
-//! All parameters were invented for this purpose; they describe no measured sample. Each material stands for one way in
-//! which a fit can be hard.
+//! All parameters were invented for this purpose; they describe no measured sample. Each material stands for one
+//! difficulty of fitting.
 
 use std::path::Path;
 
@@ -86,10 +86,10 @@ pub(crate) fn material(name: &str) -> Option<&'static Embedded> {
     MATERIALS.iter().find(|material| material.name == name)
 }
 
-/// The material that was typed, or nothing for a file: an existing one, or what looks like the name of one.
+/// The embedded material that `typed` names, or `None` for a file: an existing one, or what looks like a file name.
 ///
 /// # Errors
-/// A word that is neither.
+/// A name that is neither.
 pub(crate) fn find(typed: &Path) -> Result<Option<&'static Embedded>, Problem> {
     if typed.exists() {
         return Ok(None);
@@ -107,7 +107,7 @@ pub(crate) fn find(typed: &Path) -> Result<Option<&'static Embedded>, Problem> {
     };
     let all: Vec<&str> = names().collect();
     Err(Problem::usage(format!(
-        "{name}: neither a file nor an embedded material; {guess}embedded are {}",
+        "{name}: no such file or embedded material; {guess}embedded materials: {}",
         all.join(", ")
     )))
 }
@@ -118,7 +118,7 @@ pub(crate) fn list() -> String {
     format!("Embedded materials:\n{}", names.join("\n"))
 }
 
-/// The material that the demo takes.
+/// The default material of `brdfit demo`.
 pub(crate) fn default_material() -> &'static Embedded {
     &MATERIALS[0]
 }
@@ -128,7 +128,7 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     MATERIALS.iter().map(|material| material.name)
 }
 
-/// Levenshtein's distance: insertions, deletions and replacements of one character between two words.
+/// Levenshtein distance: the least number of insertions, deletions and substitutions of one character.
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -1,4 +1,4 @@
-//! `brdfit fit`, and `brdfit merge` for its shards, as they are typed.
+//! Command-line arguments of `brdfit fit`, and of `brdfit merge` for its shards.
 
 use std::path::PathBuf;
 
@@ -9,73 +9,73 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use crate::args::headings::{BATCH, OUTPUT};
 use crate::args::value_enums::{AnchorArg, ConstraintArg, LossArg, PositionArg, SolverArg};
 
-/// Options of `brdfit fit`. Whatever is left out keeps the value of the preset.
+/// Options of `brdfit fit`. An option that is absent keeps the value of the preset.
 #[derive(Debug, Args)]
 pub(crate) struct FitArgs {
-    /// Measured files: MERL (.binary) and RGL (.bsdf, isotropic, in colours),
-    /// folders (every such file in them), or @LIST: a text file with one of
-    /// these per line, relative to its own folder; empty lines and lines that
-    /// start with # are skipped; @- reads it from standard input
+    /// Measured files: MERL (.binary) and RGL (.bsdf, isotropic, RGB), folders
+    /// (every such file in them), or @LIST: a text file with one of these per
+    /// line, relative to its own folder; empty lines and lines that start
+    /// with # are ignored; @- reads the list from standard input
     #[arg(value_name = "INPUT", required = true)]
     pub(crate) inputs: Vec<PathBuf>,
 
-    /// Look for measured files in the folders inside of folders too
+    /// Search folders recursively
     #[arg(long)]
     pub(crate) recursive: bool,
 
-    /// Folder for <name>.json, summary.json and summary.csv; without it, the
-    /// document of a single input goes to standard output
+    /// Folder for <name>.json, summary.json and summary.csv; without it,
+    /// the result of a single input is printed
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub(crate) output: Option<PathBuf>,
 
-    /// Leave out the errors over the whole grid
+    /// Do not compute the error panel (errors over the whole grid)
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) no_panel: bool,
 
-    /// Read only the two slices: no hash, no look at the other cells, no
-    /// errors over the whole grid
+    /// Read only the two slices: no hash, no validity check of the other
+    /// cells, no error panel
     #[arg(long, help_heading = OUTPUT, conflicts_with = "resume")]
     pub(crate) no_hash: bool,
 
-    /// Draw both slices, measured and fitted, to <name>.svg
+    /// Plot both slices, measured and fitted, to <name>.svg
     #[arg(long, help_heading = OUTPUT, requires = "output")]
     pub(crate) picture: bool,
 
-    /// Write the bandwidth atlas of each fit too, with the default options of
-    /// `brdfit atlas`: <name>.atlas.ktx2, .exr and .json
+    /// Also write the bandwidth atlas of each fit, with the default options
+    /// of `brdfit atlas`: <name>.atlas.ktx2, .exr and .json
     #[arg(long, help_heading = OUTPUT, requires = "output")]
     pub(crate) atlas: bool,
 
-    /// Skip materials whose document is there, made by this version with the
-    /// same options from a file with the same hash
+    /// Keep existing results made by this version with the same options from
+    /// the same input
     #[arg(long, help_heading = BATCH, requires = "output")]
     pub(crate) resume: bool,
 
-    /// Fit every N-th input only, starting with the I-th (from 1); `brdfit
-    /// merge` joins the summaries
+    /// Process shard I of N: every N-th input, starting with the I-th; join
+    /// the summaries with `brdfit merge`
     #[arg(long, value_name = "I/N", help_heading = BATCH, requires = "output")]
     pub(crate) shard: Option<String>,
 
-    /// Take NaN and infinite values for cells without a measurement instead
-    /// of refusing the file
+    /// Treat NaN and infinite values as missing instead of rejecting the file
     #[arg(long, help_heading = BATCH)]
     pub(crate) accept_non_finite: bool,
 
-    /// The microfacet model, named after its distribution of normals
+    /// Microfacet model, named after its distribution of normals
     #[arg(long, value_name = "NAME", help_heading = MODEL, value_parser = models(), default_value_t)]
     pub(crate) model: ModelName,
 
-    /// Where in its cell a sample lies [default: edge; RGL: always centre]
+    /// Position of a sample within its cell [default: edge; RGL: always
+    /// centre]
     #[arg(long, value_name = "WHERE", help_heading = MODEL)]
     pub(crate) sample_position: Option<PositionArg>,
 
-    /// What both steps minimise [default: log1p-cos]
+    /// Loss that both steps minimise [default: log1p-cos]
     #[arg(long, value_name = "LOSS", help_heading = MODEL)]
     pub(crate) loss: Option<LossArg>,
 
-    /// What the Fresnel term must satisfy [default: physical, 0 <= F <= 1];
-    /// paper is the preset of the published procedure: loss l2, constraint
-    /// free, analytic anchor, solver lm, theta_d up to 70 degrees
+    /// Constraint on the Fresnel term [default: physical]; paper selects the
+    /// published procedure: loss l2, constraint free, anchor distribution,
+    /// solver lm, theta_d up to 70 degrees
     #[arg(long, value_name = "WHAT", help_heading = MODEL)]
     pub(crate) constraint: Option<ConstraintArg>,
 
@@ -83,12 +83,12 @@ pub(crate) struct FitArgs {
     #[arg(long, help_heading = MODEL)]
     pub(crate) joint: bool,
 
-    /// Height of the peak in step 2: as measured or as fitted by step 1
+    /// Peak height in step 2: as measured, or as fitted in step 1
     /// [default: peak]
     #[arg(long, value_name = "WHAT", help_heading = MODEL)]
     pub(crate) anchor: Option<AnchorArg>,
 
-    /// How step 2 is solved [default: convex]
+    /// Solver of step 2 [default: convex]
     #[arg(long, value_name = "HOW", help_heading = SOLVER)]
     pub(crate) step2_solver: Option<SolverArg>,
 
@@ -100,13 +100,13 @@ pub(crate) struct FitArgs {
     #[arg(long, value_name = "DEG", help_heading = SOLVER, allow_negative_numbers = true)]
     pub(crate) cutoff_theta_d: Option<f64>,
 
-    /// A start of step 1, the shape parameters of the model (with p or
-    /// without), may be repeated; the best result wins
+    /// Starting point of step 1, the shape parameters of the model (alpha,
+    /// and p for sgd); may be repeated, the best result is kept
     /// [default for sgd: 1e-4,0.4 3e-3,0.4 0.1,0.4 0.9,0.1 1e-5,0.4]
     #[arg(long, value_name = "ALPHA[,P]", help_heading = SOLVER, value_parser = start, allow_hyphen_values = true)]
     pub(crate) start: Vec<Start>,
 
-    /// Limit of iterations of each search and each finish [default: 200]
+    /// Iteration limit of each solver run [default: 200]
     #[arg(long, value_name = "N", help_heading = SOLVER)]
     pub(crate) max_iterations: Option<u64>,
 }
@@ -117,13 +117,13 @@ const SOLVER: &str = "Solver";
 pub(super) const EXAMPLES: &str = "\
 Examples:
   brdfit fit brdfs -o fits                     a folder, one JSON each
-  brdfit fit brdfs -o fits --resume            go on where a run was stopped
-  brdfit fit gold.binary --picture -o fits     one file, with a picture
+  brdfit fit brdfs -o fits --resume            resume an interrupted run
+  brdfit fit gold.binary --picture -o fits     one file, with a plot
   brdfit fit brdfs -o fits --atlas             fits and bandwidth atlases
-  brdfit fit gold.binary | jq .channels[0]     one file, to standard output
-  brdfit fit @todo.txt -o fits --shard 2/8     the second of eight parts
+  brdfit fit gold.binary | jq .channels[0]     one file, printed
+  brdfit fit @todo.txt -o fits --shard 2/8     the second of eight shards
   brdfit fit brdfs -o fits --constraint paper  the published procedure
-A bad file is reported, recorded in the summary, and the rest is fitted.";
+An invalid file is reported and recorded in the summary; the batch continues.";
 
 /// The names of the models.
 fn models() -> impl TypedValueParser<Value = ModelName> {
@@ -135,11 +135,13 @@ fn models() -> impl TypedValueParser<Value = ModelName> {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Start(pub(crate) Vec<f64>);
 
-/// Reads numbers with commas between.
+/// Reads numbers that are separated by commas.
 fn start(text: &str) -> Result<Start, String> {
     let number = |text: &str| text.trim().parse::<f64>();
     let numbers: Result<Vec<f64>, _> = text.split(',').map(number).collect();
-    numbers.map(Start).map_err(|_| "a start is one number per shape parameter, for instance 1e-3,0.4".to_owned())
+    numbers
+        .map(Start)
+        .map_err(|_| "a starting point is one number per shape parameter, for instance 1e-3,0.4".to_owned())
 }
 
 /// Options of `brdfit merge`.

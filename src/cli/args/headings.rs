@@ -1,8 +1,8 @@
 //! Headings of options in the help.
 
-/// Options that every subcommand takes.
-pub(super) const GLOBAL: &str = "Everywhere";
-/// Where results of many inputs go.
+/// Options of all subcommands.
+pub(super) const GLOBAL: &str = "Global options";
+/// Options for the results.
 pub(super) const OUTPUT: &str = "Output";
-/// How many inputs are worked through.
+/// Options for batches of inputs.
 pub(super) const BATCH: &str = "Batch";

@@ -1,4 +1,4 @@
-//! The command line as it is typed. What it means is decided by the plans in `jobs` and by the subcommands.
+//! Command-line arguments, not yet validated; the plans in `jobs` and the subcommands validate them.
 
 pub(crate) mod atlas;
 pub(crate) mod cli;

@@ -1,4 +1,4 @@
-//! The commands that print a text, as they are typed: `brdfit export`, `schema`, `completions` and `man`.
+//! Command-line arguments of the commands that print a text: `brdfit export`, `schema`, `completions` and `man`.
 
 use std::path::PathBuf;
 
@@ -12,11 +12,11 @@ use crate::exporters::formats::{FORMATS, Format};
 /// Options of `brdfit export`.
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
-    /// The shading language
+    /// Shading language
     #[arg(value_name = "LANGUAGE", value_parser = PossibleValuesParser::new(FORMATS.iter().map(possible_value)))]
     pub(crate) language: String,
 
-    /// The file to write [default: standard output]
+    /// Output file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 }
@@ -29,12 +29,12 @@ pub(super) const EXPORT_EXAMPLES: &str = "\
 Examples:
   brdfit export wgsl -o bandwidth_atlas.wgsl
   cat <(brdfit export glsl) shade.frag > whole.frag
-The comment at the head of the text says how to bind the texture.";
+The header comment of the text explains how to bind the texture.";
 
 /// Options of `brdfit schema`.
 #[derive(Debug, Args)]
 pub(crate) struct SchemaArgs {
-    /// Which document
+    /// Document
     #[arg(value_name = "DOCUMENT")]
     pub(crate) document: SchemaName,
 }
@@ -46,7 +46,7 @@ Example:
 /// Options of `brdfit completions`.
 #[derive(Debug, Args)]
 pub(crate) struct CompletionsArgs {
-    /// The shell
+    /// Shell
     #[arg(value_name = "SHELL")]
     pub(crate) shell: Shell,
 }
@@ -59,7 +59,7 @@ Examples:
 /// Options of `brdfit man`.
 #[derive(Debug, Args)]
 pub(crate) struct ManArgs {
-    /// The command, or nothing for the program as a whole
+    /// Subcommand [default: the whole program]
     #[arg(value_name = "COMMAND")]
     pub(crate) command: Option<String>,
 }

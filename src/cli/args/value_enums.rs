@@ -1,4 +1,4 @@
-//! The words that options take, and what each of them stands for.
+//! The values of options and what they mean.
 
 use brdfit_bandwidth::exr::Samples;
 use brdfit_bandwidth::{AtlasChannels, Layout};
@@ -14,26 +14,26 @@ pub(crate) enum SchemaName {
     Fit,
     /// summary.json of `brdfit fit`
     Summary,
-    /// What `brdfit info --format json` prints
+    /// Output of `brdfit info --format json`
     Info,
     /// <name>.atlas.json of `brdfit atlas`
     Atlas,
-    /// What `brdfit render` reads
+    /// Scene that `brdfit render` reads
     Scene,
-    /// What `brdfit render --stats` writes
+    /// Statistics of `brdfit render --stats`
     Render,
 }
 
-/// How data are printed.
+/// Output format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
-    /// For people
+    /// Human-readable text
     Text,
-    /// For programs
+    /// JSON
     Json,
 }
 
-/// Declares the words of an option and what each of them stands for.
+/// Declares the values of an option and what each of them means.
 macro_rules! words {
     ($(#[$doc:meta])* $name:ident => $target:ty { $($(#[$help:meta])* $word:ident => $value:path,)* }) => {
         $(#[$doc])*
@@ -55,9 +55,9 @@ macro_rules! words {
 words! {
     /// `--sample-position`
     PositionArg => SamplePosition {
-        /// At the lower edge of the cell
+        /// Lower edge of the cell
         Edge => SamplePosition::Edge,
-        /// In the middle of the cell
+        /// Centre of the cell
         Centre => SamplePosition::Centre,
     }
 }
@@ -65,7 +65,7 @@ words! {
 words! {
     /// `--loss`
     LossArg => Loss {
-        /// Difference of ln(1 + f cos), weighted
+        /// Weighted difference of ln(1 + f cos)
         Log1pCos => Loss::Log1pCos,
         /// Difference of sqrt(f cos), independent of the scale of f
         SqrtCos => Loss::SqrtCos,
@@ -77,9 +77,9 @@ words! {
 words! {
     /// `--anchor`
     AnchorArg => Anchor {
-        /// What the measured peak implies
+        /// Measured peak
         Peak => Anchor::Peak,
-        /// The peak of the fitted distribution
+        /// Peak of the fitted distribution
         Distribution => Anchor::Distribution,
     }
 }
@@ -97,9 +97,9 @@ words! {
 words! {
     /// `--layout`
     LayoutArg => Layout {
-        /// 256 elevations of the light
+        /// 256 elevations of the incident direction
         Isotropic => Layout::Isotropic,
-        /// 16 x 16 directions of the light
+        /// 16 x 16 incident directions over the hemisphere
         Hemisphere => Layout::Hemisphere,
     }
 }
@@ -107,7 +107,7 @@ words! {
 words! {
     /// `--channels`
     ChannelsArg => AtlasChannels {
-        /// The maximum over the colours
+        /// Maximum over red, green and blue
         Max => AtlasChannels::Max,
         /// Red, green, blue and their maximum
         Rgba => AtlasChannels::Rgba,
@@ -140,7 +140,7 @@ pub(crate) enum ConstraintArg {
     Physical,
     /// F >= 0
     NonNegative,
-    /// Nothing
+    /// No constraint
     Free,
     /// The published procedure
     Paper,
@@ -160,13 +160,13 @@ impl ConstraintArg {
 words! {
     /// `--mode`
     ModeArg => Mode {
-        /// Which pixels are shaded and with how many samples
+        /// Adaptive pixels and adaptive sample counts
         Adaptive => Mode::Adaptive,
-        /// Which pixels are shaded; all with the same number of samples
+        /// Adaptive pixels, equal sample counts
         AdaptivePixels => Mode::AdaptivePixels,
-        /// How many samples; every pixel is shaded
+        /// Every pixel, adaptive sample counts
         AdaptiveCounts => Mode::AdaptiveCounts,
-        /// None: every pixel with the same number of samples
+        /// Every pixel, equal sample counts, no prediction
         Reference => Mode::Reference,
     }
 }
@@ -174,11 +174,11 @@ words! {
 words! {
     /// `--geometry`
     GeometryArg => Geometry {
-        /// By the speed of the mirror direction over the image
+        /// Speed of the mirror direction over the image
         Reflected => Geometry::Reflected,
-        /// By the operators of figure 4 with a band limit that shortens the whole spectrum
+        /// Published operators (Bagher 2013, figure 4) with a band limit on the whole spectrum
         Operators => Geometry::Operators,
-        /// By the operators as they are printed
+        /// Published operators as printed
         OperatorsLiteral => Geometry::OperatorsPublished,
     }
 }
@@ -186,11 +186,11 @@ words! {
 words! {
     /// `--allocation`
     AllocationArg => Allocation {
-        /// By the variance that the pilot measured
+        /// Variance that the pilot measured
         Variance => Allocation::Variance,
-        /// By the published bound, equation 9
+        /// Published bound (Bagher 2013, equation 9)
         Eq9 => Allocation::Published,
-        /// The same for every point
+        /// Equal for all points
         Even => Allocation::Even,
     }
 }
@@ -198,9 +198,9 @@ words! {
 words! {
     /// `--upsample`
     UpsamplingArg => Upsampling {
-        /// By tangent planes and normals, Catmull-Rom on smooth surfaces
+        /// Weights from tangent planes and normals, Catmull-Rom on smooth surfaces
         EdgeAware => Upsampling::EdgeAware,
-        /// By the published Gaussians
+        /// Published Gaussian weights (Bagher 2013, section 3.2)
         Paper => Upsampling::Published,
     }
 }
@@ -208,9 +208,9 @@ words! {
 /// `--background`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BackgroundArg {
-    /// The light
+    /// Radiance of the light
     Light,
-    /// Nothing
+    /// No radiance
     Black,
 }
 
@@ -223,7 +223,7 @@ pub(crate) enum LayerArg {
     Gbuffer,
     /// Bandwidth of the light in the mirror direction
     Light,
-    /// Mean, variance and bandwidth that the pilot found
+    /// Mean, variance and bandwidth estimated by the pilot
     Pilot,
     /// Image-space bandwidth and level
     Bandwidth,

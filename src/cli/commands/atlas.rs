@@ -1,4 +1,4 @@
-//! `brdfit atlas`: a batch of materials to bandwidth atlases.
+//! `brdfit atlas`: bandwidth atlases of a batch of materials.
 
 use crate::args::atlas::AtlasArgs;
 use crate::args::value_enums::Format;
@@ -48,7 +48,7 @@ pub(crate) fn run(args: &AtlasArgs, console: &Console) -> anyhow::Result<Outcome
 /// A material that is done.
 struct Done {
     sidecar: Sidecar,
-    /// Whether it was there already.
+    /// Whether an existing result was kept.
     kept: bool,
 }
 

@@ -1,4 +1,4 @@
-//! `brdfit compare`: fits against reference fits.
+//! `brdfit compare`: compares fits with reference fits.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -55,7 +55,7 @@ fn tolerances(args: &CompareArgs) -> Result<Tolerances, Problem> {
         if warn <= fail {
             Ok(Tolerance { warn, fail })
         } else {
-            Err(Problem::usage(format!("--{name}-warn {warn} lies above --{name}-fail {fail}; lower it")))
+            Err(Problem::usage(format!("--{name}-warn {warn} exceeds --{name}-fail {fail}; lower it")))
         }
     };
     Ok(Tolerances {
@@ -98,7 +98,8 @@ fn pairs(ours: &Path, reference: &Path) -> Result<Vec<Pair>, Problem> {
             names.extend(documents_in(reference)?);
             if names.is_empty() {
                 let (a, b) = (ours.display(), reference.display());
-                return Err(Problem::invalid(format!("{a}: no fit result in it nor in {b}; run brdfit fit -o {a}")));
+                let missing = format!("{a}: neither this folder nor {b} contains a fit result");
+                return Err(Problem::invalid(format!("{missing}; run brdfit fit -o {a}")));
             }
             let pair = |name: &String| Pair { ours: ours.join(name), reference: reference.join(name) };
             Ok(names.iter().map(pair).collect())
@@ -200,7 +201,7 @@ fn painted(text: &str, verdict: Verdict, judged: bool, console: &Console) -> Str
     }
 }
 
-/// What the columns mean, and the numbers at a glance.
+/// Legend of the columns, and totals.
 fn closing(report: &Report, console: &Console) -> String {
     let Tolerances { cost, errors, curve, .. } = report.tolerances;
     let count = |verdict| report.channels().filter(|channel| channel.verdict == verdict).count();
@@ -214,7 +215,7 @@ fn closing(report: &Report, console: &Console) -> String {
     let smallest = costs.iter().copied().fold(f64::INFINITY, f64::min);
     let above = costs.iter().filter(|&&relative| relative > cost.warn).count();
     let brackets = if report.channels().any(|channel| channel.curves.iter().any(|curve| !curve.judged)) {
-        "In brackets: not judged, as what comes before it is not the same.\n"
+        "In brackets: not compared, because an earlier step differs.\n"
     } else {
         ""
     };
@@ -282,7 +283,7 @@ mod tests {
         let (a, b) = (folder.path().join("a"), folder.path().join("b"));
         fs::create_dir(&a).unwrap();
         fs::create_dir(&b).unwrap();
-        assert!(pairs(&a, &b).err().unwrap().to_string().contains("no fit result"));
+        assert!(pairs(&a, &b).err().unwrap().to_string().contains("contains a fit result"));
         let nowhere = pairs(&a, &folder.path().join("c")).err().unwrap();
         assert_eq!(Outcome::of(&nowhere.into()), Outcome::InputOutput);
     }
@@ -294,6 +295,6 @@ mod tests {
         assert_eq!(tolerances(&args).unwrap(), Tolerances::default());
         let cli = Cli::try_parse_from(["brdfit", "compare", "a", "b", "--cost-warn", "1"]).unwrap();
         let Command::Compare(args) = cli.command else { panic!() };
-        assert!(tolerances(&args).unwrap_err().to_string().contains("--cost-warn 1 lies above --cost-fail 0.0001"));
+        assert!(tolerances(&args).unwrap_err().to_string().contains("--cost-warn 1 exceeds --cost-fail 0.0001"));
     }
 }

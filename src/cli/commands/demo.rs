@@ -64,7 +64,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<Outcome>
     let document: FitDocument = documents::read(&files.json, "a fit result")?;
     output::print(&report(material, &document, &atlas, &files, console))?;
     console.note(&format!(
-        "{:.2} s to make the file, {:.2} s to fit it, {:.2} s for the atlas, {:.2} s to render, each with writing",
+        "Times including output: MERL file {:.2} s, fit {:.2} s, atlas {:.2} s, rendering {:.2} s",
         made.as_secs_f64(),
         (fitted - made).as_secs_f64(),
         (mapped - fitted).as_secs_f64(),
@@ -92,7 +92,7 @@ fn make_atlas(material: &Embedded, folder: &ResultFolder) -> Result<Sidecar, Pro
     AtlasMaker::new(job).make(material.parameters().brdf().as_ref(), origin, material.name)?.write(folder)
 }
 
-/// What the demo leaves behind.
+/// Files of the demo.
 struct Files {
     binary: PathBuf,
     json: PathBuf,
@@ -118,7 +118,7 @@ impl Files {
     }
 }
 
-/// What is printed: the parameters before and after, the errors, the files, what to do next.
+/// The printed report: true and fitted parameters, errors, files, next steps.
 fn report(material: &Embedded, document: &FitDocument, atlas: &Sidecar, files: &Files, console: &Console) -> String {
     let strong = |text: &str| console.paint(Tone::Strong, text);
     let list = |entries: &[(&Path, &str)]| {
@@ -133,19 +133,19 @@ fn report(material: &Embedded, document: &FitDocument, atlas: &Sidecar, files: &
     let [summary, csv] = &files.summaries;
     let PictureFiles { scene, picture } = &files.rendering;
     let left = list(&[
-        (picture, "the fit on a sphere, and where the picture was shaded: look at it"),
-        (&files.picture, "both slices, measured and fitted: open it in a browser"),
-        (&files.preview, "the bandwidth of each lobe: look at it"),
-        (&files.atlas, "the same as a texture, beside .exr and .json"),
-        (scene, "the sphere, for brdfit render"),
-        (&files.json, "the fit: parameters, errors, curves, how it went"),
-        (summary, "the summary of the batch"),
-        (csv, "the same as a table"),
-        (&files.binary, "the MERL file that was fitted"),
+        (picture, "rendering of the fit on a sphere, with its shading density"),
+        (&files.picture, "both slices, measured and fitted"),
+        (&files.preview, "false-colour preview of the bandwidth atlas"),
+        (&files.atlas, "bandwidth atlas as a texture, beside .exr and .json"),
+        (scene, "scene of the sphere, for brdfit render"),
+        (&files.json, "fit: parameters, errors, curves, convergence"),
+        (summary, "summary of the batch"),
+        (csv, "summary as a table"),
+        (&files.binary, "MERL file that was fitted"),
     ]);
     format!(
-        "{}: {}\n\n{}\nParameters differ by at most {:.0e} of their value. E, L, C: cosine-weighted, logarithmic and\ncube root error \
-         over the whole grid (docs/theory.md, section 6). The local bandwidth of\nits lobes reaches {:.1} cycles per radian.\n\n{}\n{left}\n{}\n  brdfit fit YOUR_FOLDER -o fits\n  brdfit atlas fits -o atlases\n  brdfit render {} -o sphere.exr --png sphere.png\n  brdfit info YOUR_FILE.binary\n  brdfit fit --help\n",
+        "{}: {}\n\n{}\nThe largest relative difference of a parameter is {:.0e}. E, L, C: cosine-weighted, logarithmic and\ncube root error \
+         over the whole grid (docs/theory.md, section 6). The local bandwidth of\nthe lobes reaches {:.1} cycles per radian.\n\n{}\n{left}\n{}\n  brdfit fit YOUR_FOLDER -o fits\n  brdfit atlas fits -o atlases\n  brdfit render {} -o sphere.exr --png sphere.png\n  brdfit info YOUR_FILE.binary\n  brdfit fit --help\n",
         strong(material.name),
         material.description,
         parameters(material, document, console),
@@ -157,7 +157,7 @@ fn report(material: &Embedded, document: &FitDocument, atlas: &Sidecar, files: &
     )
 }
 
-/// The parameters that the file was made from above those that the fit found.
+/// The true parameters above the fitted ones.
 fn parameters(material: &Embedded, document: &FitDocument, console: &Console) -> Table {
     let made_from = material.parameters();
     let known = made_from.model().model().parameters();
@@ -169,12 +169,12 @@ fn parameters(material: &Embedded, document: &FitDocument, console: &Console) ->
     let mut table =
         Table::new([String::new(), String::new()].map(|title| (title, Align::Left)).into_iter().chain(numbers));
     for (n, found) in document.channels.iter().enumerate() {
-        let heading = [console.paint(Tone::Strong, CHANNEL_NAMES[n]), "made from".to_owned()];
+        let heading = [console.paint(Tone::Strong, CHANNEL_NAMES[n]), "true".to_owned()];
         table.row(heading.into_iter().chain(made_from.channel(n).iter().map(|value| format!("{value}"))));
         let errors = document.errors.as_ref().map(|panel| [panel.e[n], panel.l[n], panel.c[n]]);
         let errors = errors.into_iter().flatten().map(|value| format!("{value:.1e}"));
         let found = found.parameters.iter().map(|(_, value)| format!("{value:.6}"));
-        table.row([String::new(), "found".to_owned()].into_iter().chain(found).chain(errors));
+        table.row([String::new(), "fitted".to_owned()].into_iter().chain(found).chain(errors));
     }
     table
 }

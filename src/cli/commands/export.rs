@@ -1,4 +1,4 @@
-//! `brdfit export`: a file for another program.
+//! `brdfit export`: source text for another program.
 
 use crate::args::texts::ExportArgs;
 use crate::exporters::formats;

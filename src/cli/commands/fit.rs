@@ -1,4 +1,4 @@
-//! `brdfit fit`: a batch of measured files to documents and a summary.
+//! `brdfit fit`: fits a batch of measured files; writes results and a summary.
 
 use brdfit_brdf::MaterialParameters;
 use brdfit_fit::document::{Failure, FitDocument, SummaryRow};
@@ -75,7 +75,7 @@ pub(crate) fn fill(folder: &ResultFolder, plan: &FitPlan, console: &Console) -> 
 /// A material that is done.
 struct Material {
     row: SummaryRow,
-    /// Whether its document was there already.
+    /// Whether an existing document was kept.
     kept: bool,
 }
 

@@ -1,4 +1,4 @@
-//! `brdfit info`: the state of measured files.
+//! `brdfit info`: reports on measured files.
 
 use std::path::Path;
 
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &InfoArgs, console: &Console) -> anyhow::Result<Outcome>
     Ok(outcome)
 }
 
-/// What there is to say about one file. A file with wrong values is described and refused.
+/// The report on one file. A file with invalid values is reported and rejected.
 struct Report {
     info: Option<Info>,
     error: Option<MeasurementError>,

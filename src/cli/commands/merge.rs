@@ -1,4 +1,4 @@
-//! `brdfit merge`: the summaries of all shards of a batch to one.
+//! `brdfit merge`: merges the summaries of all shards of a batch.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -55,13 +55,13 @@ fn find(folder: &Path) -> Result<Vec<Shard>, Problem> {
 fn join(parts: Vec<(Summary, PathBuf)>) -> Result<Summary, Problem> {
     let mut parts = parts.into_iter();
     let Some((mut whole, first)) = parts.next() else {
-        return Err(Problem::invalid("there is nothing to merge"));
+        return Err(Problem::invalid("no summaries to merge"));
     };
     for (part, path) in parts {
         let same = (&part.program, &part.options) == (&whole.program, &whole.options);
         if !same {
             return Err(Problem::invalid(format!(
-                "{}: another program version or other options than {}; fit all shards alike",
+                "{}: program version or options differ from {}; fit all shards with the same ones",
                 path.display(),
                 first.display()
             )));
@@ -73,7 +73,7 @@ fn join(parts: Vec<(Summary, PathBuf)>) -> Result<Summary, Problem> {
     whole.failures.sort_by(|a, b| summary::order(a).cmp(&summary::order(b)));
     if let Some(pair) = whole.materials.windows(2).find(|pair| pair[0].name == pair[1].name) {
         return Err(Problem::invalid(format!(
-            "{}: the material {} is in two shards; fit all shards of one batch anew",
+            "{}: the material {} is in two shards; fit all shards of the batch again",
             first.display(),
             pair[0].name
         )));

@@ -1,4 +1,4 @@
-//! `brdfit render`: a scene to an image, adaptively.
+//! `brdfit render`: renders a scene adaptively.
 
 use brdfit_renderer::Mode;
 
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<Outcom
     Ok(Outcome::Done)
 }
 
-/// What is said at the end.
+/// The final message.
 fn summary(document: &RenderDocument, plan: &RenderPlan) -> String {
     let shaded: u64 = document.shaded_per_level.iter().sum();
     let share = 100.0 * shaded as f64 / document.foreground.max(1) as f64;
@@ -53,7 +53,7 @@ fn summary(document: &RenderDocument, plan: &RenderPlan) -> String {
         format!(", {share:.0} % of the pixels shaded")
     };
     let quality = document.quality.as_ref().map_or(String::new(), |quality| {
-        let psnr = quality.psnr.map_or("the same".to_owned(), |psnr| format!("{psnr:.1} dB"));
+        let psnr = quality.psnr.map_or("identical".to_owned(), |psnr| format!("{psnr:.1} dB"));
         format!(", {psnr}, relMSE {:.2e}, FLIP {:.3}", quality.relmse, quality.flip)
     });
     format!(

@@ -51,7 +51,7 @@ pub(crate) fn run(args: &SynthArgs, console: &Console) -> anyhow::Result<Outcome
     Ok(Outcome::Done)
 }
 
-/// What a file is made from.
+/// Source of a file.
 #[derive(Clone, Debug)]
 struct Source {
     parameters: MaterialParameters,
@@ -59,7 +59,7 @@ struct Source {
     sample_position: Option<SamplePosition>,
 }
 
-/// What a result says of the measurement, beside its material.
+/// Members of a result about the measurement.
 #[derive(Deserialize)]
 struct Measured {
     input: Option<Grid>,

@@ -1,4 +1,4 @@
-//! What every format of `brdfit export` does.
+//! The interface of the formats of `brdfit export`.
 
 /// Makes the content of one file.
 pub(crate) trait Exporter: Sync {

@@ -1,17 +1,17 @@
-//! The formats of `brdfit export`: a line for each.
+//! The table of formats of `brdfit export`.
 
 use brdfit_bandwidth::ShaderLanguage;
 
 use crate::exporters::exporter::Exporter;
 use crate::exporters::shader::Shader;
 
-/// A format as the command line offers it.
+/// A format of the command line.
 pub(crate) struct Format {
     /// Its name there.
     pub(crate) name: &'static str,
     /// One line about it.
     pub(crate) help: &'static str,
-    /// What writes it.
+    /// Its exporter.
     pub(crate) exporter: &'static dyn Exporter,
 }
 

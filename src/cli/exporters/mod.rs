@@ -1,4 +1,4 @@
-//! What `brdfit export` can write: each format is one file here and one line in `formats`.
+//! Exporters of `brdfit export`: one file per format and one line in `formats`.
 
 pub(crate) mod exporter;
 pub(crate) mod formats;

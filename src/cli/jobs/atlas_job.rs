@@ -28,7 +28,7 @@ use crate::terminal::exit_code::Problem;
 pub(crate) struct Sidecar {
     #[serde(flatten)]
     pub(crate) atlas: AtlasDocument,
-    /// Where in its cell a sample of the measurement was taken to lie; absent for a fit.
+    /// Position of a sample of the measurement within its cell; absent for a fit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) sample_position: Option<SamplePosition>,
 }
@@ -46,7 +46,7 @@ impl Reusable for Sidecar {
     }
 }
 
-/// What is computed of each material, and into which files it goes.
+/// Options and output files of the atlas of each material.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct AtlasJob {
     pub(crate) layout: Layout,
@@ -96,7 +96,7 @@ impl AtlasMaker {
             let same = atlas.options == AtlasOptions::from(&self.job.options)
                 && (atlas.layout, atlas.channels) == (self.job.layout, self.job.channels)
                 && atlas.files == self.job.entries(&origin.source.name);
-            (!same).then_some("the options are others")
+            (!same).then_some("options differ")
         })
     }
 

@@ -1,4 +1,4 @@
-//! What `brdfit atlas` is going to do, checked before anything is done.
+//! The validated plan of `brdfit atlas`.
 
 use std::path::{Path, PathBuf};
 
@@ -21,21 +21,21 @@ use crate::terminal::exit_code::Problem;
 pub(crate) struct AtlasPlan {
     /// The materials of this shard, in the order of their names.
     pub(crate) inputs: Vec<MaterialInput>,
-    /// How measured files are read.
+    /// Options of reading measured files.
     pub(crate) reading: Reading,
-    /// What is done with each material.
+    /// The job of each material.
     pub(crate) job: AtlasJob,
-    /// Where the results go.
+    /// Destination of the results.
     pub(crate) folder: ResultFolder,
-    /// Whether results that are there already are kept.
+    /// Whether existing results are kept.
     pub(crate) resume: bool,
-    /// What is printed at the end.
+    /// Format of the final report.
     pub(crate) report: Option<Format>,
 }
 
 impl AtlasPlan {
     /// # Errors
-    /// What [`inputs::collect`] refuses, options that contradict each other or lie outside of their range.
+    /// Errors of [`inputs::collect`]; options that are inconsistent or out of range.
     pub(crate) fn new(args: &AtlasArgs) -> Result<Self, Problem> {
         let job = AtlasJob {
             layout: args.layout.into(),
@@ -45,7 +45,7 @@ impl AtlasPlan {
         };
         let shard = args.shard.as_deref().map(Shard::parse).transpose()?;
         if args.output == Path::new("-") {
-            return Err(Problem::usage("-o wants a folder; an atlas is several files"));
+            return Err(Problem::usage("-o must be a folder; an atlas is several files"));
         }
         let folder = ResultFolder::at(&args.output);
         let inputs = inputs::collect(&args.inputs, args.recursive, Wanted::Materials)?;
@@ -71,7 +71,7 @@ impl AtlasPlan {
 fn files(args: &AtlasArgs) -> Result<Vec<FileContent>, Problem> {
     let exr = args.formats.contains(&ContainerArg::Exr);
     if !exr && args.exr_samples == Some(SamplesArg::Float) {
-        return Err(Problem::usage("--exr-samples float: the formats are without exr; add it to --formats"));
+        return Err(Problem::usage("--exr-samples float: requires exr in --formats"));
     }
     let exr_content = match args.exr_samples {
         Some(SamplesArg::Float) => FileContent::ExrFloat,
@@ -85,7 +85,7 @@ fn files(args: &AtlasArgs) -> Result<Vec<FileContent>, Problem> {
     Ok(wanted.into_iter().filter_map(|(wanted, content)| wanted.then_some(content)).collect())
 }
 
-/// How the lobes are estimated.
+/// Options of the estimation of lobes.
 fn options(args: &AtlasArgs) -> Result<LobeOptions, Problem> {
     let rule = match args.epsilon {
         Some(e) => Rule::Epsilon(must_lie("--epsilon", e, e > 0.0 && e <= 1.0, "above 0, up to 1")?),
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused() {
+    fn invalid_usage_is_refused() {
         for (options, part) in [
             ("--percentile 0", "--percentile 0: must lie between"),
             ("--percentile nan", "--percentile NaN"),
@@ -166,9 +166,9 @@ mod tests {
             ("--delta -0.1", "--delta -0.1"),
             ("--delta 1", "--delta 1"),
             ("--finest-share 2", "--finest-share 2"),
-            ("--formats ktx2 --exr-samples float", "without exr"),
+            ("--formats ktx2 --exr-samples float", "requires exr in --formats"),
             ("--shard 4/3", "--shard 4/3"),
-            ("no-such-material", "neither a file nor an embedded material"),
+            ("no-such-material", "no such file or embedded material"),
         ] {
             let message = plan(&format!("brdfit atlas x.binary -o d {options}")).unwrap_err().to_string();
             assert!(message.contains(part), "{options}: {message}");

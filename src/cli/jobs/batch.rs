@@ -1,4 +1,4 @@
-//! Many pieces of work at once, their results in order.
+//! Parallel work on the inputs of a batch, results in order.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -44,8 +44,8 @@ pub(crate) fn each<I: Sync, T: Send, E: Send>(
     results.into_iter().map_while(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner)).collect()
 }
 
-/// As [`each`], for inputs that may fail on their own: that is reported at once, and the batch goes on. A bar shows how far
-/// it is, `what` says with what, `label` names an input.
+/// As [`each`], for inputs that may fail individually: errors are reported at once, and the batch continues. A progress bar
+/// is titled `what`; `label` names an input.
 ///
 /// # Errors
 /// The outer error of the first `work` that had one: if one result cannot be written, the next cannot either.
@@ -74,19 +74,19 @@ fn survive<T>(
     work: impl FnOnce() -> Result<anyhow::Result<T>, Problem>,
 ) -> Result<anyhow::Result<T>, Problem> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
-        let message = "the program made a mistake (see above); please report it with this file";
+        let message = "internal error (see above); please report it with this file";
         Ok(Err(Problem::computation(format!("{}: {message}", label())).into()))
     })
 }
 
-/// What a batch says at its end: "3 fitted (2 were there already), 1 failed".
+/// The final message of a batch: "3 fitted (2 kept), 1 failed".
 pub(crate) fn tally(done: &str, kept: usize, failed: usize) -> String {
-    let kept = if kept > 0 { format!(" ({kept} were there already)") } else { String::new() };
+    let kept = if kept > 0 { format!(" ({kept} kept)") } else { String::new() };
     let failed = if failed > 0 { format!(", {failed} failed") } else { String::new() };
     format!("{done}{kept}{failed}")
 }
 
-/// Does a piece of work on a thread of the pool, so that no more than `--threads` compute at once.
+/// Runs `work` on a thread of the pool, so that no more than `--threads` threads compute at once.
 pub(crate) fn in_pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     rayon::scope(|_| work())
 }

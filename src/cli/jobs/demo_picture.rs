@@ -1,4 +1,4 @@
-//! The picture at the end of `brdfit demo`: the fitted material on a sphere, beside the map of where it was shaded.
+//! The rendering of `brdfit demo`: the fitted material on a sphere, beside the map of its shading density.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -38,7 +38,7 @@ impl PictureFiles {
     /// Writes the scene and renders it. The fit and the atlas of the material lie beside the scene.
     ///
     /// # Errors
-    /// What the operating system reports; a fit or an atlas that cannot be used.
+    /// Errors of the operating system; an unusable fit or atlas.
     pub(crate) fn make(&self, name: &str) -> anyhow::Result<()> {
         output::write(&self.scene, &json::to_vec(&scene(name)))?;
         let loaded = LoadedScene::open(&self.scene, None)?;

@@ -1,4 +1,4 @@
-//! The way of one material: open, look at every cell, cut the slices, fit, measure the errors, write it all down.
+//! The fit of one file: open, check all cells, extract the slices, fit, compute the errors, write the document.
 
 use std::sync::OnceLock;
 
@@ -13,14 +13,14 @@ use crate::jobs::inputs::InputFile;
 use crate::results::folder::{PROGRAM, ResultFile, Reusable};
 use crate::terminal::exit_code::Problem;
 
-/// What is done with each file.
+/// The job of each file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Job {
-    /// What is fitted.
+    /// The model.
     pub(crate) model: ModelName,
-    /// Where in its cell a sample lies; `None`: as the format of each file has it.
+    /// Position of a sample within its cell; `None`: that of the format of each file.
     pub(crate) sample_position: Option<SamplePosition>,
-    /// How it is fitted.
+    /// Options of the fit.
     pub(crate) options: FitOptions,
     /// Whether the whole file is read, for its hash and for cells that are no numbers.
     pub(crate) scan: bool,
@@ -55,12 +55,12 @@ pub(crate) struct Opened {
 }
 
 impl Opened {
-    /// What the documents say about the file.
+    /// Members of the document about the file.
     pub(crate) fn input(&self) -> &Input {
         &self.input
     }
 
-    /// How the file is fitted: the options of the job, and where the samples of this file lie.
+    /// The recorded options: those of the job, and the position of the samples of this file.
     pub(crate) fn options(&self) -> &RecordedOptions {
         &self.options
     }
@@ -71,7 +71,7 @@ impl Fitter {
         Self { job, geometries: Default::default() }
     }
 
-    /// Opens a file and, if the job says so, looks at every cell.
+    /// Opens a file and, if the job requires it, checks all cells.
     ///
     /// # Errors
     /// A file that cannot be read or is no measured file.
@@ -92,22 +92,22 @@ impl Fitter {
         Ok(Opened { measurement, survey, input, options })
     }
 
-    /// What a fit of an open file would say otherwise than a document, if anything.
+    /// The difference between a document and a fit of an open file, if any.
     pub(crate) fn differs(&self, document: &FitDocument, opened: &Opened) -> Option<&'static str> {
         let input = opened.input();
         if input.sha256.is_none() || document.input != *input {
-            return Some("the input is another one");
+            return Some("input differs");
         }
         let same = document.model == self.job.model
             && document.options == *opened.options()
             && document.errors.is_some() == self.job.panel;
-        (!same).then_some("the options are others")
+        (!same).then_some("options differ")
     }
 
     /// Fits an open file.
     ///
     /// # Errors
-    /// Where the fit or the panel says that it cannot be done.
+    /// Errors of the fit and of the panel.
     pub(crate) fn fit(&self, opened: Opened) -> Result<FitDocument, Problem> {
         let Opened { measurement, survey, input, options } = opened;
         let label = measurement.source().path.display();
@@ -143,7 +143,7 @@ impl Fitter {
         Some(in_pool(|| error_panel(&cells, &survey.valid, geometry, parameters)))
     }
 
-    /// The geometry of the panel, made when it is first asked for. The caller must not be a thread of the pool: one that
+    /// The geometry of the panel, computed on first use. The caller must not be a thread of the pool: one that
     /// waits for its own work there would wait for ever.
     fn geometry(&self, dimensions: Dimensions, position: SamplePosition) -> &PanelGeometry {
         let index = 2 * usize::from(dimensions.is_folded()) + usize::from(position == SamplePosition::Edge);

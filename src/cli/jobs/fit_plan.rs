@@ -1,4 +1,4 @@
-//! What `brdfit fit` is going to do, checked before anything is done.
+//! The validated plan of `brdfit fit`.
 
 use std::path::Path;
 
@@ -17,11 +17,11 @@ use crate::terminal::exit_code::Problem;
 pub(crate) struct FitPlan {
     /// The measured files of this shard, in the order of their names.
     pub(crate) inputs: Vec<InputFile>,
-    /// Where the results go.
+    /// Destination of the results.
     pub(crate) target: Target,
-    /// What is done with each file.
+    /// The job of each file.
     pub(crate) job: Job,
-    /// Whether results that are there already are kept.
+    /// Whether existing results are kept.
     pub(crate) resume: bool,
     /// Whether pictures are drawn.
     pub(crate) picture: bool,
@@ -31,7 +31,7 @@ pub(crate) struct FitPlan {
     pub(crate) shard: Option<Shard>,
 }
 
-/// Where results go.
+/// Destination of the results.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Target {
     /// The one document goes to standard output.
@@ -42,14 +42,14 @@ pub(crate) enum Target {
 
 impl FitPlan {
     /// # Errors
-    /// What [`inputs::collect`] refuses, options that contradict each other or lie outside of their range.
+    /// Errors of [`inputs::collect`]; options that are inconsistent or out of range.
     pub(crate) fn new(args: &FitArgs) -> Result<Self, Problem> {
         let options = options(args)?;
         let shard = args.shard.as_deref().map(Shard::parse).transpose()?;
         let target = match &args.output {
             None => Target::StandardOutput,
             Some(folder) if folder == Path::new("-") => {
-                return Err(Problem::usage("-o wants a folder; leave it out to print the document of a single input"));
+                return Err(Problem::usage("-o must be a folder; omit it to print the result of a single input"));
             }
             Some(folder) => Target::Folder(ResultFolder::at(folder)),
         };
@@ -81,7 +81,7 @@ fn check_names(inputs: &[InputFile]) -> Result<(), Problem> {
     match inputs.iter().find(|input| input.name.strip_suffix(".atlas").is_some_and(is_there)) {
         None => Ok(()),
         Some(input) => Err(Problem::usage(format!(
-            "{}: its result {}.json would be that of an atlas too; rename the file",
+            "{}: its result {}.json would collide with that of an atlas; rename the file",
             input.path.display(),
             input.name
         ))),
@@ -152,10 +152,10 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused() {
+    fn invalid_usage_is_refused() {
         for (line, part) in [
             ("brdfit fit x y", "add -o DIR"),
-            ("brdfit fit x -o -", "wants a folder"),
+            ("brdfit fit x -o -", "-o must be a folder"),
             ("brdfit fit x -o d --shard 0/3", "--shard 0/3"),
             ("brdfit fit x -o d --shard 4/3", "--shard 4/3"),
             ("brdfit fit x -o d --shard 1", "--shard 1"),
@@ -165,7 +165,7 @@ mod tests {
             ("brdfit fit x --start 2,0.4", "alpha 2"),
             ("brdfit fit x --start 0.1,-1", "p -1"),
             ("brdfit fit x --start 0.1", "alpha,p, not 1 number"),
-            ("brdfit fit x --model ggx --start 0.1,0.4", "a start of the model ggx is alpha, not 2 numbers"),
+            ("brdfit fit x --model ggx --start 0.1,0.4", "a starting point of the model ggx is alpha, not 2 numbers"),
             ("brdfit fit x --model ggx --start 3", "alpha 3 lies outside of alpha in [1e-4, 2]"),
             ("brdfit fit x --max-iterations 0", "max_iterations"),
         ] {

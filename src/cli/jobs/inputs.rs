@@ -1,4 +1,4 @@
-//! From what was typed (files, folders, lists) to the files of a batch, each once, in the order of their names.
+//! Expands inputs (files, folders, lists) to the files of a batch, each once, sorted by name.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -14,7 +14,7 @@ use serde_json::error::Category;
 use crate::results::folder::is_same_file;
 use crate::terminal::exit_code::Problem;
 
-/// Which files a command takes.
+/// Kinds of files that a command accepts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
     /// Measured files; from folders, those with the extension of a format.
@@ -44,7 +44,7 @@ impl Wanted {
     }
 }
 
-/// Whether a file is a document with a list of channels, or none at all: then its turn in the batch says what is wrong.
+/// Whether a file is a document with a list of channels, or none at all: then its turn in the batch reports the error.
 fn may_be_fit(path: &Path) -> bool {
     #[derive(Deserialize)]
     struct Channels {
@@ -68,14 +68,14 @@ impl InputFile {
     /// The input for one file.
     ///
     /// # Errors
-    /// Where the name would not do for a result: it has none, or that of a fit would be the name of a summary.
+    /// If the name is unsuitable for a result: it is empty, or that of a fit collides with a summary.
     pub(crate) fn new(path: PathBuf, wanted: Wanted) -> Result<Self, Problem> {
         let Some(name) = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()) else {
-            return Err(Problem::usage(format!("{}: is not the name of a file; name a measured file", path.display())));
+            return Err(Problem::usage(format!("{}: is not a file name; name a measured file", path.display())));
         };
         if wanted == Wanted::Measured && (name == "summary" || name.starts_with("summary.")) {
             return Err(Problem::usage(format!(
-                "{}: its result would take the place of {name}.json, a summary; rename the file",
+                "{}: its result would overwrite the summary {name}.json; rename the file",
                 path.display()
             )));
         }
@@ -109,7 +109,7 @@ pub(crate) fn collect(typed: &[PathBuf], recursive: bool, wanted: Wanted) -> Res
             && !is_same_file(&other.path, &input.path)
         {
             return Err(Problem::usage(format!(
-                "{} and {}: two inputs with the name {}; rename one, or give their results different folders",
+                "{} and {}: two inputs with the name {}; rename one, or write their results to different folders",
                 other.path.display(),
                 input.path.display(),
                 input.name
@@ -172,7 +172,7 @@ fn read_list(list: &str) -> Result<Vec<PathBuf>, Problem> {
     let entries: Vec<PathBuf> =
         lines.filter(|line| !line.is_empty() && !line.starts_with('#')).map(|line| folder.join(line)).collect();
     if entries.is_empty() {
-        return refuse("lists no file; write one path per line");
+        return refuse("lists no files; write one path per line");
     }
     Ok(entries)
 }

@@ -1,4 +1,4 @@
-//! A material that is to be evaluated: a measured file, the result of a fit, or an embedded one.
+//! Material sources: measured files, fit results, embedded materials.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::jobs::inputs::InputFile;
 use crate::results::documents::Document;
 use crate::terminal::exit_code::Problem;
 
-/// Where a material comes from, before anything is read.
+/// Source of a material, not yet read.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum MaterialInput {
     /// A measured file.
@@ -24,10 +24,10 @@ pub(crate) enum MaterialInput {
     Embedded(&'static Embedded),
 }
 
-/// How measured files are read.
+/// Options of reading measured files.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Reading {
-    /// Where in its cell a sample lies; `None`: as the format has it.
+    /// Position of a sample within its cell; `None`: that of the format.
     pub(crate) sample_position: Option<SamplePosition>,
     /// Whether cells that are no numbers count as cells without a measurement.
     pub(crate) accept_non_finite: bool,
@@ -36,11 +36,11 @@ pub(crate) struct Reading {
 /// [`Source::kind`] of the results of fits; that of a measurement is its format's.
 const FIT: &str = "fit";
 
-/// Where a material comes from, as documents say it.
+/// Origin of a material, as recorded in documents.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Origin {
     pub(crate) source: Source,
-    /// Where in its cell a sample of a measurement lies.
+    /// Position of a sample of a measurement within its cell.
     pub(crate) sample_position: Option<SamplePosition>,
 }
 
@@ -65,10 +65,10 @@ enum Content {
 }
 
 impl MaterialInput {
-    /// What an input is: a .json file a document, any other file a measurement, another word a name.
+    /// Classifies an input: a .json file is a document, any other file a measurement, anything else a name.
     ///
     /// # Errors
-    /// A word that is none of these.
+    /// An unknown name.
     pub(crate) fn new(input: InputFile) -> Result<Self, Problem> {
         Ok(match embedded_materials::find(&input.path)? {
             Some(material) => Self::Embedded(material),
@@ -93,7 +93,7 @@ impl MaterialInput {
         }
     }
 
-    /// How messages name it.
+    /// Its name in messages.
     pub(crate) fn label(&self) -> String {
         self.path().map_or_else(|| self.name().to_owned(), |path| path.display().to_string())
     }

@@ -1,4 +1,4 @@
-//! Checked plans and the work on one input.
+//! Validated plans and the work on one input.
 
 pub(crate) mod atlas_job;
 pub(crate) mod atlas_plan;

@@ -1,11 +1,11 @@
-//! The picture of an atlas: its tiles as discs in false colour. Values cannot be read back from it.
+//! The false-colour preview of an atlas: its tiles as discs. Values cannot be recovered from it.
 
 use brdfit_bandwidth::{AngularMap, Atlas, Layout, TILE, TILES, UNITS};
 use brdfit_figures::canvas::{Align, BACKGROUND, FAINT, INK, TextSize, colour_bar, disc, text, text_width};
 use brdfit_figures::image::RgbImage;
 use brdfit_figures::scale::Scale;
 
-/// Pixels from the outer edge to whatever is drawn.
+/// Margin in pixels.
 const MARGIN: u32 = 24;
 /// Pixels between tiles.
 const GAP: u32 = 4;
@@ -14,7 +14,7 @@ const PITCH: u32 = TILE as u32 + GAP;
 /// Pixels for a colour bar with its labels.
 const BAR_SPACE: u32 = 88;
 
-/// Level 0 of an atlas as a picture for people: its 16 x 16 tiles as discs, texel by texel, with the incident directions
+/// Level 0 of an atlas as a preview: its 16 x 16 tiles as discs, texel by texel, with the incident directions
 /// along the edges and a colour bar. The colours are logarithmic between two powers of two; 0 is grey, and
 /// the largest 0.5 % of the values may share the brightest colour, marked by a plus at the colour bar. Of four channels the
 /// maximum is shown. The corners of the tiles, which repeat the rim, are left out.

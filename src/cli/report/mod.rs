@@ -1,4 +1,4 @@
-//! Pictures that accompany results.
+//! Plots and previews of results.
 
 pub(crate) mod atlas_preview;
 pub(crate) mod shading_map;

@@ -1,4 +1,4 @@
-//! The map of where a frame was shaded, in false colour.
+//! The false-colour map of the shading density of a frame.
 
 use brdfit_figures::panel::{Class, Panel};
 use brdfit_figures::scale::{ZERO, colour};

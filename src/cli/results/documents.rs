@@ -1,4 +1,4 @@
-//! Reads documents back, with messages for files that are something else.
+//! Reads result documents; rejects other files with specific messages.
 
 use std::fmt::Display;
 use std::fs;
@@ -14,7 +14,7 @@ use crate::terminal::exit_code::Problem;
 /// Larger files are not read: a document takes some 50 kB, a summary of a thousand materials a megabyte.
 const MAX_BYTES: u64 = 256 << 20;
 
-/// The part that tells the version.
+/// The schema version alone.
 #[derive(Deserialize)]
 struct Version {
     schema_version: Option<u32>,
@@ -24,7 +24,7 @@ struct Version {
 #[derive(Debug)]
 pub(crate) struct Document<'a> {
     path: &'a Path,
-    /// What it should be, with an article ("a fit result").
+    /// The expected document, with an article ("a fit result").
     what: &'a str,
     bytes: Vec<u8>,
 }
@@ -51,12 +51,12 @@ impl<'a> Document<'a> {
         let size = fs::metadata(path).map_err(|error| Problem::reading(path, &error))?.len();
         let document = Self { path, what, bytes: Vec::new() };
         if size > MAX_BYTES {
-            let why = format!("has {size} bytes, too many for {what}; check that it is the right file");
+            let why = format!("too large for {what} ({size} bytes); check that it is the right file");
             return Err(document.refuse(&why));
         }
         let bytes = fs::read(path).map_err(|error| Problem::reading(path, &error))?;
         if bytes.is_empty() {
-            return Err(document.refuse(&format!("the file is empty (0 bytes), not {what}; make it again")));
+            return Err(document.refuse(&format!("the file is empty (0 bytes), not {what}; write it again")));
         }
         Ok(Self { bytes, ..document })
     }
@@ -69,12 +69,12 @@ impl<'a> Document<'a> {
     /// The whole or, as other members are skipped, a part of it.
     ///
     /// # Errors
-    /// A document that is no JSON, lacks something, or was written by a later version (exit code 3).
+    /// A document that is not JSON, lacks a member, or was written by a later version (exit code 3).
     pub(crate) fn decode<T: DeserializeOwned>(&self) -> Result<T, Problem> {
         if let Ok(Version { schema_version: Some(version) }) = serde_json::from_slice(&self.bytes)
             && version > SCHEMA_VERSION
         {
-            return Err(self.later(&format!("has schema version {version}, this program knows {SCHEMA_VERSION}")));
+            return Err(self.later(&format!("has schema version {version}; this program reads {SCHEMA_VERSION}")));
         }
         serde_json::from_slice(&self.bytes).map_err(|error| match error.classify() {
             serde_json::error::Category::Data => self.another(&error),
@@ -105,7 +105,7 @@ impl<'a> Document<'a> {
     }
 
     fn no_json(&self, error: &serde_json::Error) -> Problem {
-        self.refuse(&format!("is not JSON and so not {} ({error}); check that it is the right file", self.what))
+        self.refuse(&format!("is not JSON, and thus not {} ({error}); check that it is the right file", self.what))
     }
 
     fn another(&self, error: &dyn Display) -> Problem {
@@ -134,7 +134,7 @@ mod tests {
         let path = folder.path().join("x.json");
         for (content, part) in [
             ("", "empty (0 bytes), not a sample"),
-            ("{", "is not JSON and so not a sample (EOF"),
+            ("{", "is not JSON, and thus not a sample (EOF"),
             ("\"text\"", "is not a sample (invalid"),
             ("{}", "missing field `value` at line 1"),
             (r#"{"value": 1e999}"#, "number out of range"),

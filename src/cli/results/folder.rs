@@ -1,4 +1,4 @@
-//! A folder of results: how its files are called, which documents of an earlier run can stay, and what must not be written over.
+//! A folder of results: file names, re-use of results of an earlier run, and protection of inputs against overwriting.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -29,7 +29,7 @@ pub(crate) enum ResultFile {
     AtlasKtx2,
     /// The atlas as OpenEXR.
     AtlasExr,
-    /// The atlas, drawn.
+    /// The preview of the atlas.
     AtlasPreview,
     /// A MERL file.
     Measurement,
@@ -62,13 +62,13 @@ pub(crate) trait Reusable: Serialize + DeserializeOwned {
     /// Version of its layout that this program writes.
     const SCHEMA_VERSION: u32;
 
-    /// Which file of a material it is.
+    /// Its kind of file.
     const FILE: ResultFile;
 
     /// The version of its layout and the program that wrote it.
     fn made_by(&self) -> (u32, &str);
 
-    /// Names of the files beside it without which it says nothing.
+    /// Names of the files that belong to it.
     fn companions(&self) -> impl Iterator<Item = &str>;
 }
 
@@ -92,17 +92,17 @@ impl ResultFolder {
         output::folder(&self.path)
     }
 
-    /// Where it lies.
+    /// Its path.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Where a file of a material lies.
+    /// Path of a file of a material.
     pub(crate) fn file(&self, file: ResultFile, material: &str) -> PathBuf {
         self.path.join(file.name(material))
     }
 
-    /// Where the summary of a whole batch or of a shard lies.
+    /// Path of the summary of a batch or of a shard.
     pub(crate) fn summary(&self, shard: Option<Shard>) -> PathBuf {
         match shard {
             None => self.path.join("summary.json"),
@@ -110,7 +110,7 @@ impl ResultFolder {
         }
     }
 
-    /// Where the summary of a whole batch lies as a table.
+    /// Path of the summary of a batch as a table.
     pub(crate) fn summary_table(&self) -> PathBuf {
         self.path.join("summary.csv")
     }
@@ -130,7 +130,7 @@ impl ResultFolder {
                 Some(document)
             }
             Err(why) => {
-                debug!(file = %path.display(), why, "made again");
+                debug!(file = %path.display(), why, "computed again");
                 None
             }
         }
@@ -141,19 +141,19 @@ impl ResultFolder {
         bytes: &[u8],
         differs: impl FnOnce(&D) -> Option<&'static str>,
     ) -> Result<D, &'static str> {
-        let document: D = serde_json::from_slice(bytes).map_err(|_| "it is not such a document")?;
+        let document: D = serde_json::from_slice(bytes).map_err(|_| "not such a document")?;
         if document.made_by() != (D::SCHEMA_VERSION, PROGRAM) {
-            return Err("another version made it");
+            return Err("made by another version");
         }
         if let Some(why) = differs(&document) {
             return Err(why);
         }
         if json::to_vec(&document) != bytes {
-            return Err("it was changed by hand");
+            return Err("modified since it was written");
         }
         let there = |name: &str| fs::metadata(self.path.join(name)).is_ok_and(|found| found.len() > 0);
         if !document.companions().all(there) {
-            return Err("a file beside it is missing");
+            return Err("one of its files is missing");
         }
         Ok(document)
     }
@@ -164,7 +164,7 @@ pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     a == b || matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
 }
 
-/// Refuses to write over an input; `by` goes on where "would be overwritten" ends in the message.
+/// Refuses to write over an input; `by` completes the message "would be overwritten".
 ///
 /// # Errors
 /// The first input at which an output lies.

@@ -1,5 +1,5 @@
-//! The look of JSON files: objects one member per line, lists of numbers on one line, so that a person can read them, a
-//! line-by-line difference means something, and 90 samples do not take 90 lines.
+//! Layout of JSON files: objects one member per line, lists of numbers on one line, which keeps files readable
+//! and line-by-line differences meaningful.
 
 use std::io::{self, Write};
 

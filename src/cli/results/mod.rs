@@ -1,4 +1,4 @@
-//! Documents and files: names, atomic writing, what an earlier run left, summaries.
+//! Result files: names, atomic writing, re-use, summaries.
 
 pub(crate) mod documents;
 pub(crate) mod folder;

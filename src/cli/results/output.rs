@@ -1,4 +1,4 @@
-//! Where results go: files that appear whole or not at all, folders, standard output.
+//! Output: atomic writing of files, folders, standard output.
 //!
 //! A file is written under a temporary name beside its target, then renamed. The temporary file is locked while its writer
 //! lives, so that the next run can tell the remains of a killed run (no lock) from the work of a concurrent one, also
@@ -19,21 +19,21 @@ use crate::terminal::exit_code::Problem;
 const PREFIX: &str = ".brdfit-";
 const SUFFIX: &str = ".tmp";
 
-/// Whoever creates, renames or removes a temporary file holds this.
+/// Lock held while temporary files are created, renamed or removed.
 static OPEN: Mutex<Open> = Mutex::new(Open { temporary: BTreeSet::new(), swept: BTreeSet::new() });
 
-/// What this process has open.
+/// Temporary files of this process.
 struct Open {
     /// Temporary files that exist.
     temporary: BTreeSet<PathBuf>,
-    /// Folders in which the remains of killed runs were looked for.
+    /// Folders that were searched for the remains of killed runs.
     swept: BTreeSet<PathBuf>,
 }
 
 /// Writes a whole file, which replaces an older one in one step.
 ///
 /// # Errors
-/// What the operating system reports; the older file, if there was one, is then still there.
+/// Errors of the operating system; an existing file is then unchanged.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
     write_with(path, |out| out.write_all(bytes))
 }
@@ -187,7 +187,7 @@ fn is_temporary(name: &OsStr) -> bool {
 /// Removes a file; one that is not there is no error.
 ///
 /// # Errors
-/// What the operating system reports.
+/// Errors of the operating system.
 pub(crate) fn remove(path: &Path) -> Result<(), Problem> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Problem::writing(path, &error)),
@@ -238,7 +238,7 @@ pub(crate) fn deliver(path: Option<&Path>, bytes: &[u8]) -> Result<(), Problem> 
 /// Writes a text to standard output. A reader that has gone away (`| head`) is no error.
 ///
 /// # Errors
-/// What the operating system reports.
+/// Errors of the operating system.
 pub(crate) fn print(text: &str) -> Result<(), Problem> {
     print_bytes(text.as_bytes())
 }

@@ -1,4 +1,4 @@
-//! Parts of a batch that is done on several machines.
+//! Shards of a batch.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ impl Shard {
 
     pub(crate) fn parse(text: &str) -> Result<Self, Problem> {
         Self::split(text, "/")
-            .ok_or_else(|| Problem::usage(format!("--shard {text}: wants I/N with I from 1 to N, for instance 2/8")))
+            .ok_or_else(|| Problem::usage(format!("--shard {text}: must be I/N with 1 <= I <= N, for instance 2/8")))
     }
 
     /// The shard to which a file `summary.I-of-N.json` belongs.

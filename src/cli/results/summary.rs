@@ -30,7 +30,7 @@ pub(crate) fn new(model: ModelName, options: RecordedOptions) -> Summary {
     }
 }
 
-/// What failures are sorted by: the name that the result would have had, as the materials are.
+/// Sort key of failures: the name that the result would have had, as the materials are.
 pub(crate) fn order(failure: &Failure) -> (Option<&OsStr>, &str) {
     (Path::new(&failure.input).file_stem(), &failure.input)
 }

@@ -1,4 +1,4 @@
-//! What people see: diagnostics on standard error, progress on a terminal, colour where it is wanted.
+//! User interface: diagnostics on standard error, progress bars, colour.
 
 use std::io::{IsTerminal, Write};
 use std::time::Duration;
@@ -7,18 +7,18 @@ use clap::ColorChoice;
 use clap::builder::styling::{AnsiColor, Style};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// What a piece of text means, from which follows its colour.
+/// Meaning of a text, which determines its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Tone {
-    /// As it should be.
+    /// A pass.
     Good,
-    /// Worth a look.
+    /// A warning.
     Warn,
-    /// Wrong.
+    /// An error or a failure.
     Bad,
     /// A heading.
     Strong,
-    /// Beside the point.
+    /// Secondary information.
     Dim,
 }
 
@@ -39,7 +39,7 @@ impl Tone {
     }
 }
 
-/// The terminal, as far as the command line lets us use it.
+/// The terminal, as `--quiet` and `--color` allow its use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Console {
     quiet: bool,
@@ -48,7 +48,7 @@ pub(crate) struct Console {
 }
 
 impl Console {
-    /// A console for the given wishes; `NO_COLOR` and streams that are no terminals switch `Auto` off.
+    /// A console; with `Auto`, `NO_COLOR` and streams that are not terminals disable colour.
     pub(crate) fn new(quiet: bool, color: ColorChoice) -> Self {
         let wanted = |terminal: bool| match color {
             ColorChoice::Always => true,
@@ -72,26 +72,26 @@ impl Console {
         self.colour_err
     }
 
-    /// One line about what went wrong; `--quiet` does not silence it.
+    /// Prints an error in one line, also with `--quiet`.
     pub(crate) fn error(&self, error: &anyhow::Error) {
         let message = format!("{error:#}").replace(['\n', '\r'], " ");
         let label = if self.colour_err { Tone::Bad.paint("error") } else { "error".to_owned() };
         emit(&format!("{label}: {message}"));
     }
 
-    /// One line about what was done.
+    /// Prints a note in one line, unless `--quiet` is given.
     pub(crate) fn note(&self, message: &str) {
         if !self.quiet {
             emit(message);
         }
     }
 
-    /// A progress bar over `total` pieces of work; it shows on a terminal only.
+    /// A progress bar over `total` steps; visible only on a terminal.
     pub(crate) fn progress(&self, total: usize, what: &str) -> Progress {
         let visible = !self.quiet && total > 1 && std::io::stderr().is_terminal();
         let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(total as u64), target);
-        let template = "{msg} [{bar:30}] {pos}/{len}  {elapsed} gone, {eta} left";
+        let template = "{msg} [{bar:30}] {pos}/{len}  {elapsed} elapsed, {eta} left";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("=> "));
         }
@@ -103,19 +103,19 @@ impl Console {
     }
 }
 
-/// Writes one line to standard error. Where that fails there is nobody left to tell.
+/// Writes one line to standard error. A failure here cannot be reported and is ignored.
 fn emit(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// A progress bar; it goes away when it is dropped.
+/// A progress bar, cleared when dropped.
 #[derive(Debug)]
 pub(crate) struct Progress {
     bar: ProgressBar,
 }
 
 impl Progress {
-    /// One more piece is done.
+    /// Advances by one step.
     pub(crate) fn tick(&self) {
         self.bar.inc(1);
     }
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colour_follows_the_wish() {
+    fn colour_follows_the_option() {
         assert_eq!(Console::new(false, ColorChoice::Never).paint(Tone::Bad, "x"), "x");
         let painted = Console::new(false, ColorChoice::Always).paint(Tone::Strong, "x");
         assert_eq!(painted, "\u{1b}[1mx\u{1b}[0m");

@@ -1,10 +1,10 @@
-//! What `-v` shows: the steps of the work as they happen, on standard error.
+//! Diagnostics of `-v` and `-vv` on standard error.
 
 use tracing::Level;
 
 use crate::terminal::console::Console;
 
-/// Switches the events on: `-v` shows what is done with each file, `-vv` the details.
+/// Enables diagnostics: `-v` reports the steps of each file, `-vv` adds debug output.
 pub(crate) fn start(verbose: u8, console: &Console) {
     let level = match verbose {
         0 => return,

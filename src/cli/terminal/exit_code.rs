@@ -1,4 +1,4 @@
-//! How a run can end: the exit codes, and the error that carries one.
+//! Exit codes, and the error that carries one.
 
 use std::fmt;
 use std::io;
@@ -6,17 +6,17 @@ use std::path::Path;
 
 use brdfit_measured::MeasurementError;
 
-/// The exit codes of the program, as `brdfit --help` lists them. The larger of two is the one that a batch reports.
+/// The exit codes of the program, as `brdfit --help` lists them. A batch reports the largest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub(crate) enum Outcome {
-    /// Everything that was asked for is done.
+    /// Success.
     Done = 0,
-    /// The command line makes no sense.
+    /// Invalid usage.
     Usage = 1,
     /// A file could not be read or written.
     InputOutput = 2,
-    /// A file was read and is not what it should be.
+    /// An input is invalid.
     InvalidInput = 3,
     /// A computation failed on valid input.
     Computation = 4,
@@ -28,12 +28,12 @@ impl Outcome {
     /// The exit code of an interrupted run (Ctrl-C), which ends without passing through [`crate::main`].
     pub(crate) const INTERRUPTED: u8 = 130;
 
-    /// The number that the shell sees.
+    /// The exit status.
     pub(crate) fn code(self) -> u8 {
         self as u8
     }
 
-    /// The exit code that an error asks for: the first [`Problem`], [`MeasurementError`] or [`io::Error`] in its chain decides.
+    /// The exit code of an error: the first [`Problem`], [`MeasurementError`] or [`io::Error`] in its chain decides.
     pub(crate) fn of(error: &anyhow::Error) -> Self {
         error.chain().find_map(Self::of_cause).unwrap_or(Self::Computation)
     }
@@ -63,17 +63,17 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
-    /// With the exit code of an outcome.
+    /// A problem with the given outcome.
     pub(crate) fn new(outcome: Outcome, message: String) -> Self {
         Self { outcome, message }
     }
 
-    /// The command line makes no sense (exit code 1).
+    /// Invalid usage (exit code 1).
     pub(crate) fn usage(message: impl Into<String>) -> Self {
         Self { outcome: Outcome::Usage, message: message.into() }
     }
 
-    /// A file was read and is not what it should be (exit code 3).
+    /// An input is invalid (exit code 3).
     pub(crate) fn invalid(message: impl Into<String>) -> Self {
         Self { outcome: Outcome::InvalidInput, message: message.into() }
     }
@@ -104,7 +104,7 @@ impl Problem {
         Self::input_output(format!("{}: {what}", path.display()))
     }
 
-    /// A file or folder could not be written (exit code 2). Nothing is left of it.
+    /// A file or folder could not be written (exit code 2). No partial file is left.
     pub(crate) fn writing(path: &Path, error: &io::Error) -> Self {
         let what = match error.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {

@@ -1,4 +1,4 @@
-//! The state of a measured file in 80 columns.
+//! Report on a measured file in 80 columns.
 
 use std::fmt::Write;
 
@@ -137,7 +137,7 @@ fn albedo(albedo: &AlbedoHealth) -> Table {
         ("R", Align::Right),
         ("G", Align::Right),
         ("B", Align::Right),
-        ("of it measured", Align::Right),
+        ("measured share", Align::Right),
     ]);
     for (n, (degrees, covered)) in albedo.theta_i_deg.iter().zip(&albedo.covered).enumerate() {
         let [r, g, b] = albedo.values.each_ref().map(|values| format!("{:.4}", values[n]));

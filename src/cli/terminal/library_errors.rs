@@ -1,6 +1,6 @@
-//! How the errors of the libraries end a run: the only place that knows.
+//! Exit codes of the errors of the libraries, in one place.
 //!
-//! A library says what is wrong and not in which file, unless it opened the file itself; [`Problem::of`] puts the name in front.
+//! The error of a library names the file only if the library opened it; [`Problem::of`] prepends the name otherwise.
 
 use std::error::Error;
 use std::fmt::Display;
@@ -14,10 +14,10 @@ use crate::terminal::exit_code::{Outcome, Problem};
 
 /// An error of a library.
 pub(crate) trait LibraryError: Error {
-    /// How it ends a run.
+    /// Its outcome.
     fn outcome(&self) -> Outcome;
 
-    /// What to do, where the message does not say it.
+    /// The remedy, if the message does not name it.
     fn advice(&self) -> Option<&'static str> {
         None
     }

@@ -1,8 +1,8 @@
-//! Text tables for people.
+//! Plain-text tables.
 
 use std::fmt;
 
-/// How a column is aligned.
+/// Alignment of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Align {
     /// Words.

@@ -1,4 +1,4 @@
-//! Comparing two fits of the same measurement: do they agree on the data, on the minimum and on the curves?
+//! Comparison of two fits of the same measurement: data, minimum and curves.
 //!
 //! Raw parameters are never compared. A third of all channels are degenerate (docs/theory.md, section 4): very different
 //! parameters give the same curve and the same cost.
@@ -16,7 +16,7 @@ pub use tolerance::{Tolerance, Tolerances, Verdict};
 
 use serde::{Deserialize, Serialize};
 
-/// Where the fitted curves are compared if neither document names its cut-off, degrees.
+/// Largest angle of the comparison of the fitted curves if neither document names its cut-off, degrees.
 const DEFAULT_CUTOFF_DEGREES: f64 = 75.0;
 /// Sample angles that differ by less than this (radians) are the same angle.
 const SAME_ANGLE: f64 = 1e-9;
@@ -49,7 +49,7 @@ pub struct ChannelComparison {
     pub verdict: Verdict,
 }
 
-/// Whether both fits read the same numbers.
+/// Whether both fits used the same measured values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredComparison {
     /// Largest relative difference over both slices; null if the angles or the rows with a measurement are not the same.

@@ -1,4 +1,4 @@
-//! The part of a fit's document that a comparison reads. Other programs write this subset too (docs/formats.md), so
+//! The subset of a fit document that a comparison reads. Other programs write this subset too (docs/formats.md), so
 //! every field beyond it is ignored and every optional one may be missing.
 
 use crate::document::CurvePair;
@@ -10,7 +10,7 @@ use serde::Deserialize;
 pub struct ComparableFit {
     /// The measurement that was fitted.
     pub input: ComparableInput,
-    /// What the fit was asked to do.
+    /// Options of the fit.
     #[serde(default)]
     pub options: ComparableOptions,
     /// The model's name.
@@ -32,7 +32,7 @@ pub struct ComparableInput {
     /// SHA-256 of the file, hexadecimal.
     #[serde(default)]
     pub sha256: Option<String>,
-    /// Where in its cell a sample was taken to lie: edge or centre.
+    /// Position of a sample within its cell: edge or centre.
     pub sample_position: String,
 }
 
@@ -112,16 +112,16 @@ pub struct ComparableSlices {
     pub fitted: CurvePair<Option<f64>>,
 }
 
-/// Why a document cannot be compared with another one.
+/// Errors of comparing documents.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CompareError {
     /// The text is not a fit result.
     #[error("not a fit result: {0}")]
     NotAFit(String),
     /// The fits started from different files or asked different questions.
-    #[error("{what} differs, so the fits cannot be compared: {ours} against {reference} in the reference")]
+    #[error("{what} differs, so the fits cannot be compared: {ours}, reference {reference}")]
     Incomparable {
-        /// What differs.
+        /// The member that differs.
         what: &'static str,
         /// Its value in our document.
         ours: String,
@@ -141,10 +141,10 @@ impl ComparableFit {
         Ok(fit)
     }
 
-    /// Whether the parts fit together: the names of channels and steps, the lengths of the curves.
+    /// Whether the parts are consistent: the names of channels and steps, the lengths of the curves.
     ///
     /// # Errors
-    /// [`CompareError::NotAFit`] for the first thing that is wrong.
+    /// [`CompareError::NotAFit`] for the first invalid member.
     pub fn check(&self) -> Result<(), CompareError> {
         let refuse = |why: String| Err(CompareError::NotAFit(why));
         if self.channels.iter().map(|channel| channel.name.as_str()).ne(CHANNEL_NAMES) {

@@ -1,4 +1,4 @@
-//! What counts as a difference.
+//! Tolerances of a comparison.
 
 use serde::{Deserialize, Serialize};
 

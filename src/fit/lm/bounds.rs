@@ -4,7 +4,7 @@ use crate::lm::problem::LmError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Which end of its range a parameter sits at.
+/// The bound at which a parameter lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Bound {

@@ -1,4 +1,4 @@
-//! What the solver needs to know of a least-squares problem, and why it may refuse one.
+//! The interface of least-squares problems, and the errors of invalid ones.
 
 use nalgebra::DMatrix;
 
@@ -39,12 +39,12 @@ impl<T: LeastSquares + ?Sized> LeastSquares for &T {
     }
 }
 
-/// Why a minimisation could not begin.
+/// Errors of starting a minimisation.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LmError {
-    /// There is nothing to fit.
-    #[error("a least-squares problem needs at least one row and one parameter, this one has {rows} and {parameters}")]
+    /// Empty problem.
+    #[error("empty least-squares problem: {rows} rows and {parameters} parameters; both must be at least 1")]
     Empty {
         /// Rows of the problem.
         rows: usize,
@@ -54,7 +54,7 @@ pub enum LmError {
     /// The start or the bounds do not have one entry per parameter.
     #[error("{what} has {found} entries where the problem has {expected} parameters")]
     Length {
-        /// Which vector.
+        /// The vector.
         what: &'static str,
         /// Parameters of the problem.
         expected: usize,
@@ -62,7 +62,7 @@ pub enum LmError {
         found: usize,
     },
     /// A bound is NaN, an infinity of the wrong sign, or the lower one lies above the upper one.
-    #[error("parameter {index} has the bounds {lower} and {upper}, between which there is no number")]
+    #[error("parameter {index} has empty bounds [{lower}, {upper}]")]
     Bounds {
         /// Index of the parameter.
         index: usize,

@@ -1,4 +1,4 @@
-//! What a minimisation returns.
+//! The result of a minimisation.
 
 use crate::lm::bounds::Bound;
 use crate::lm::termination::Termination;
@@ -24,14 +24,14 @@ pub struct Solution {
     pub residual_evaluations: u64,
     /// Evaluations of the Jacobian.
     pub jacobian_evaluations: u64,
-    /// Why the solver stopped.
+    /// Reason for the termination of the solver.
     pub termination: Termination,
     /// The bound that each parameter sits at, if any; the lower one for a fixed parameter.
     pub active: Vec<Option<Bound>>,
 }
 
 impl Solution {
-    /// Covariance, standard errors and conditioning of the linear model at the solution. Computed anew at every call.
+    /// Covariance, standard errors and conditioning of the linear model at the solution. Computed at every call.
     pub fn uncertainty(&self) -> Uncertainty {
         Uncertainty::new(&self.jacobian, self.cost, &self.active)
     }

@@ -24,7 +24,7 @@ const ROUNDING: f64 = 1e-14;
 /// problems of the tests' set, 31 did not converge with 1e3, none with 10; 3 makes large-residual problems ten times slower.
 const DRIFT: f64 = 10.0;
 
-/// Iterations after which drifted scales are taken anew.
+/// Iterations after which drifted scales are recomputed.
 const PATIENCE: u64 = 50;
 
 /// Box-bounded Levenberg-Marquardt as an argmin [`Solver`] for any [`LeastSquares`] problem.
@@ -40,7 +40,7 @@ pub struct LevenbergMarquardt {
     norms: DVector<f64>,
     /// Largest norm seen of each column.
     scale: DVector<f64>,
-    /// The iteration in which the scales were last taken anew.
+    /// The iteration in which the scales were last recomputed.
     rescaled: u64,
     /// Radius of the trust region, in scaled parameters.
     radius: f64,
@@ -154,7 +154,7 @@ impl LevenbergMarquardt {
         LinearModel::new(x, r, jacobian, &scale, &self.bounds, self.held.clone())
     }
 
-    /// Takes the scales anew from the columns' norms at the state's point, and begins with a new trust region, if the
+    /// Recomputes the scales from the columns' norms at the state's point, and begins with a new trust region, if the
     /// scales of the free parameters have drifted. False, and nothing changed, if not.
     fn rescale(&mut self, state: &LmState) -> bool {
         let (mut least, mut largest) = (f64::INFINITY, 0.0f64);

@@ -1,9 +1,9 @@
-//! When to stop, and what to call it.
+//! Termination criteria and reasons.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Why the solver stopped.
+/// Reason for the termination of the solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Termination {
@@ -16,11 +16,11 @@ pub enum Termination {
     Ftol,
     /// The step, or the trust region, is shorter than [`Options::xtol`] relative to the free parameters.
     Xtol,
-    /// The trust region shrank to nothing because the residuals beyond are not finite.
+    /// The trust region collapsed: residuals around it are not finite.
     NonFinite,
-    /// The limit of iterations was reached first.
+    /// The iteration limit was reached.
     IterationLimit,
-    /// argmin stopped the run for a reason that is not ours (a target cost, a time limit, an interrupt).
+    /// argmin stopped the run for a reason of its own (target cost, time limit, interrupt).
     Stopped,
 }
 

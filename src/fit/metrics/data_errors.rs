@@ -1,4 +1,4 @@
-//! The error panel: how far the model is from the measurement on all cells (docs/theory.md, section 6).
+//! The error panel: errors of the model over all cells (docs/theory.md, section 6).
 
 use crate::document::{AllCells, ErrorPanel, LargestResidual, PanelTriple};
 use crate::metrics::grid_model::{Directions, on_grid};
@@ -9,7 +9,7 @@ use wide::f64x4;
 
 /// Angles of the measured albedo whose largest divides E: 0, 5, .., 80 degrees.
 const ALBEDO_ANGLES: usize = 17;
-/// Which of them are compared with the model: 10, 30, 50, 70 degrees.
+/// Those that are compared with the model: 10, 30, 50, 70 degrees.
 const COMPARED: [usize; 4] = [2, 6, 10, 14];
 /// Relative residuals are taken over at least this, 1/sr.
 const RESIDUAL_FLOOR: f64 = 1e-3;
@@ -137,7 +137,7 @@ struct Bin<'a> {
     theta_h: usize,
 }
 
-/// The cells of a row that count, in blocks of four, and buffers for what is computed of them.
+/// The valid cells of a row in blocks of four, and buffers of the results.
 #[derive(Default)]
 struct RowCells {
     /// Bins of phi_d; `bins.chunks(4)` belong to the blocks.
@@ -151,7 +151,7 @@ struct RowCells {
     values: Vec<[f64; 4]>,
 }
 
-/// What fills up the last block: harmless values that count for nothing.
+/// Padding of the last block: harmless values of weight zero.
 const PADDING: FourCells = FourCells { cosines: [[0.5; 4]; 2], positions: [[0.0; 2]; 4] };
 
 impl RowCells {

@@ -4,7 +4,7 @@ use brdfit_brdf::{CellRow, G1Curve, GridModel, MaterialParameters};
 use brdfit_measured::{Dimensions, Grid, MIN_COSINE, SamplePosition};
 use rayon::prelude::*;
 
-/// Where the directions of every cell lie on masking curves: the part of an evaluation that all materials share.
+/// Positions of the directions of every cell on masking curves: the part of an evaluation that all materials share.
 #[derive(Clone, Debug)]
 pub(crate) struct Directions {
     /// `[position of i, position of o]` per cell, in the file's order; see [`G1Curve::position`].

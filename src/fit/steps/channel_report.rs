@@ -1,4 +1,4 @@
-//! What the document says of one fitted channel.
+//! The report of one fitted channel: parameters, derived values, standard errors, flags.
 
 use crate::document::{ChannelFit, Derived, Flag, StepReport};
 use crate::lm::bounds::Bound;
@@ -51,7 +51,7 @@ impl<D> FittedChannel<'_, D> {
         MicrofacetParameters { rho_d, rho_s, shape: self.step1().distribution.shape(), f0, f1 }
     }
 
-    /// Everything that the document says of the channel.
+    /// The report of the channel.
     pub(crate) fn describe<const N: usize>(&self, parameters: NamedValues<f64>) -> Result<ChannelFit, LmError>
     where
         D: NormalDistribution<N>,

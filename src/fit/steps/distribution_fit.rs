@@ -23,7 +23,7 @@ const CONTENDER: f64 = 1.2;
 /// Ends of searches that differ by less than this in every unknown are the same minimum.
 const REPEATED: f64 = 0.02;
 
-/// What step 1 found for the channels that share one distribution.
+/// Result of step 1 for the channels that share one distribution.
 #[derive(Clone, Debug)]
 pub(crate) struct DistributionFit<D> {
     /// Diffuse albedo per channel.
@@ -40,11 +40,11 @@ pub(crate) struct DistributionFit<D> {
     pub(crate) iterations: u64,
 }
 
-/// The rows of the theta_h slice and what is asked of them.
+/// The rows of the theta_h slice and the options of step 1.
 #[derive(Clone, Copy)]
 pub(crate) struct DistributionTask<'a> {
     pub(crate) rows: &'a [Row],
-    /// Where the samples of the slice lie.
+    /// Position of the samples of the slice.
     pub(crate) position: SamplePosition,
     pub(crate) options: &'a FitOptions,
 }

@@ -20,7 +20,7 @@ const START_FLOOR: f64 = 1e-5;
 const DENSE_BINS: usize = 18;
 const THINNING: usize = 3;
 
-/// What an unknown of step 1 is; `n` counts the channels of the problem.
+/// The kinds of unknowns of step 1; `n` counts the channels of the problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unknown {
     /// ln rho_d of the n-th channel.
@@ -31,7 +31,7 @@ pub(crate) enum Unknown {
     Shape(usize),
 }
 
-/// Where the unknowns of a problem lie: ln rho_d and ln P of each channel, then the shape.
+/// Order of the unknowns of a problem: ln rho_d and ln P of each channel, then the shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
     /// Channels that share the distribution.
@@ -70,7 +70,7 @@ pub(crate) struct DistributionProblem<D, const N: usize> {
     pub(crate) loss: Loss,
     /// +1 for a lobe, -1 for a dip of the slice around theta_h = 0, which only a free Fresnel term can follow.
     sign: f64,
-    /// Where G1 comes from in a search; `None`: from the distribution itself.
+    /// Source of G1 in a search; `None`: from the distribution itself.
     table: Option<&'static MaskingTable<N>>,
     distribution: PhantomData<fn() -> D>,
 }

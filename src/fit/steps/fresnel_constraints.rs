@@ -15,7 +15,7 @@ pub(crate) fn basis(cos_theta_d: f64) -> Vector3<f64> {
 pub(crate) struct HalfSpace {
     /// Inward normal.
     pub(crate) normal: Vector3<f64>,
-    /// What it says, for reports.
+    /// Its text in reports.
     pub(crate) name: String,
 }
 

@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 /// Below this specular scale there is no specular part.
 const NO_SPECULAR: f64 = 1e-12;
 
-/// What step 2 found for one channel.
+/// Result of step 2 for one channel.
 #[derive(Clone, Debug)]
 pub(crate) struct FresnelFit {
     /// `(rho_s, f0, f1)`; zeros where there is no specular part.
@@ -36,7 +36,7 @@ pub(crate) struct FresnelFit {
     pub(crate) rows: usize,
     /// Iterations (0 for the exact solution).
     pub(crate) iterations: u64,
-    /// Why it stopped.
+    /// Reason for termination.
     pub(crate) termination: Termination,
     /// Conditions that are active at the solution.
     pub(crate) active: Vec<String>,
@@ -47,7 +47,7 @@ pub(crate) struct FresnelFit {
     diffuse: f64,
 }
 
-/// The rows of the theta_d slice and what is asked of them.
+/// The rows of the theta_d slice and the options of step 2.
 #[derive(Clone, Copy)]
 pub(crate) struct FresnelTask<'a> {
     pub(crate) rows: &'a [Row],
@@ -69,7 +69,7 @@ pub(crate) struct FittedLobe<'a, D> {
 }
 
 impl<D> FittedLobe<'_, D> {
-    /// What the measured peak cell says of the height of the lobe: its excess over the diffuse level by the fitted one.
+    /// Height of the lobe implied by the measured peak cell: the ratio of its excess over the diffuse level to the fitted one.
     fn peak_ratio<const N: usize>(&self) -> f64
     where
         D: NormalDistribution<N>,
@@ -123,7 +123,7 @@ impl FresnelTask<'_> {
         })
     }
 
-    /// The peak height A: the distribution where the whole slice lies, scaled by what the peak cell says.
+    /// The peak height A: the distribution at the theta_h of the slice, scaled by the ratio of the peak cell.
     fn anchor<D: NormalDistribution<N>, const N: usize>(&self, distribution: &D, ratio: f64) -> f64 {
         let d0 = distribution.d_at(self.theta_h);
         match self.options.anchor {

@@ -1,4 +1,4 @@
-//! Smith's `ln G1` at the rows of the theta_h slice over the box of the shape parameters: what step 1 searches with.
+//! Smith's `ln G1` at the rows of the theta_h slice over the box of the shape parameters: for the search of step 1.
 
 use brdfit_brdf::NormalDistribution;
 use brdfit_measured::{Dimensions, SamplePosition};
@@ -27,7 +27,7 @@ pub(crate) struct MaskingTable<const N: usize> {
     values: Vec<f64>,
 }
 
-/// Where a shape lies in the lattice, with the weights of its nodes and their derivatives.
+/// Position of a shape in the lattice, with the weights of its nodes and their derivatives.
 pub(crate) struct Stencil<const N: usize> {
     /// Offset of each node's 90 values.
     offsets: [usize; LARGEST],
@@ -35,11 +35,11 @@ pub(crate) struct Stencil<const N: usize> {
     slopes: [[f64; LARGEST]; N],
 }
 
-/// The tables that were asked for.
+/// The requested tables.
 static TABLES: Mutex<Vec<(TypeId, SamplePosition, &(dyn Any + Send + Sync))>> = Mutex::new(Vec::new());
 
 impl<const N: usize> MaskingTable<N> {
-    /// The table of a distribution at a sample position; built when first asked for, some 30 ms. `None` for a distribution
+    /// The table of a distribution at a sample position; built on first use, in about 30 ms. `None` for a distribution
     /// whose `G1` costs less than a table.
     pub(crate) fn of<D: NormalDistribution<N>>(position: SamplePosition) -> Option<&'static Self> {
         let step = D::SEARCH_LATTICE?;

@@ -1,4 +1,4 @@
-//! The two steps of the fit and what they are made of.
+//! The two steps of the fit and their parts.
 
 pub(crate) mod channel_report;
 pub(crate) mod closed_form_fit;

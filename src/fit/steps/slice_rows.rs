@@ -1,4 +1,4 @@
-//! The rows of a slice that take part in a step.
+//! The rows of a slice that a step uses.
 
 use brdfit_measured::{Dimensions, cosine_drop};
 

@@ -1,4 +1,4 @@
-//! The fit of a material: both steps for three channels, and what is reported about them.
+//! The fit of a material: both steps for three channels, and their report.
 
 use crate::document::{ChannelFit, CurvePair, SliceCurves};
 use crate::lm::problem::LmError;
@@ -25,7 +25,7 @@ pub struct MaterialFit {
     pub slices: SliceCurves,
 }
 
-/// Why a material could not be fitted.
+/// Errors of a fit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitError {
@@ -33,9 +33,9 @@ pub enum FitError {
     #[error(transparent)]
     Options(#[from] OptionsError),
     /// A slice has too few measured rows inside its cut-off.
-    #[error("only {found} rows of the {slice} slice have a measurement up to {cutoff} degrees, the fit needs {needed}")]
+    #[error("only {found} rows of the {slice} slice have a measurement up to {cutoff} degrees; the fit needs {needed}")]
     FewRows {
-        /// Which slice.
+        /// The slice.
         slice: &'static str,
         /// Rows with a measurement.
         found: usize,
@@ -50,9 +50,9 @@ pub enum FitError {
     /// The solver refused: a measurement far outside of any BRDF's range.
     #[error("the solver failed in channel {channel}: {source}")]
     Solver {
-        /// Which channel.
+        /// The channel.
         channel: &'static str,
-        /// What it said.
+        /// Its error.
         source: LmError,
     },
 }
@@ -92,7 +92,7 @@ struct TwoSteps<'a> {
     rows: &'a [Vec<Row>; 2],
 }
 
-/// What the two steps leave of a channel.
+/// Result of both steps for a channel.
 struct ChannelResult {
     values: Vec<f64>,
     fit: ChannelFit,

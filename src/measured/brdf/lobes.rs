@@ -1,4 +1,4 @@
-//! Many outgoing directions at once, eight at a time in single precision.
+//! Batched evaluation for fixed outgoing directions, eight at a time in single precision.
 
 use brdfit_brdf::{Direction, Directions, FixedOutgoing};
 use std::f32::consts::PI;
@@ -87,7 +87,7 @@ pub(super) struct Incident {
     pub(super) low: [f32x8; 3],
 }
 
-/// Where eight points lie in a table: the first of the eight texels around each, and the shares of the later ones.
+/// Positions of eight points in a table: the first of the eight texels around each, and the shares of the later ones.
 pub(super) struct Coordinates {
     first: [i32; 8],
     shares: [[f32; 8]; 3],

@@ -1,4 +1,4 @@
-//! Directions drawn for a measured material.
+//! Importance sampling of a measured material.
 
 use brdfit_brdf::{Direction, Ggx, GgxMixture, HalfDifference, HalfVectorSampler, HalfVectorTable, direction, reflect};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -10,7 +10,7 @@ pub(crate) struct Sampling {
     mixture: GgxMixture,
     /// Probability of the proxy; the rest goes to the cosine lobe.
     specular: f64,
-    /// What is diffuse in the values, 1/sr.
+    /// Diffuse part of the values, 1/sr.
     floor: f64,
 }
 
@@ -25,7 +25,7 @@ const LEAST: f64 = 0.05;
 const ROWS: usize = 90;
 const AZIMUTHS: usize = 16;
 
-/// Where a slice is no longer relied on: 75 degrees, in radians.
+/// Largest angle at which a slice is reliable: 75 degrees, in radians.
 const SLICE_END: f64 = 75.0 / 90.0 * FRAC_PI_2;
 
 impl Sampling {

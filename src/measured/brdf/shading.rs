@@ -1,4 +1,4 @@
-//! A measured material for renderers.
+//! A measured material as a batched BRDF for renderers.
 
 use brdfit_brdf::{BatchBrdf, HalfVectorSampler, HalfVectors, by_eights};
 use wide::f32x8;

@@ -1,13 +1,13 @@
-//! Where inside its cell a tabulated value is taken to have been measured.
+//! Position of a tabulated value within its cell.
 
 use std::fmt;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Where inside its cell a tabulated value lies, along all three axes alike.
+/// Position of a tabulated value within its cell, the same along all three axes.
 ///
-/// The container does not say. Public readers disagree, and the choice matters to a fit: under the wrong one the width
+/// The container does not record it. Public readers disagree, and the choice matters to a fit: under the wrong one the width
 /// of a narrow lobe comes out wrong by a factor (6 % at alpha = 1e-2, 20 % and more at 1e-4).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]

@@ -10,7 +10,7 @@ use crate::mapped_file::MappedFile;
 use crate::merl::header::{self, HEADER_BYTES};
 use crate::merl::write::write_merl;
 
-/// A MERL file, read-only. What is not looked at is not read from the disk.
+/// A MERL file, read-only. Pages that are not accessed are not read from disk.
 #[derive(Debug)]
 pub struct MerlFile {
     file: MappedFile,
@@ -164,7 +164,7 @@ impl MerlFile {
     }
 }
 
-/// Whether a stored number is a measurement: finite and not negative. Negative zero is one.
+/// Whether a stored number is a measurement: finite and not negative; negative zero is one.
 #[inline]
 pub(crate) fn is_measurement(raw: f64) -> bool {
     (0.0..f64::INFINITY).contains(&raw)

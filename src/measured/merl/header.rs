@@ -9,7 +9,7 @@ pub(crate) const HEADER_BYTES: usize = 12;
 /// Largest dimension for which a header still looks like one.
 const PLAUSIBLE: i32 = 4096;
 
-/// First bytes of files that people try instead, what they are, and what to do.
+/// Signatures of files that are commonly mistaken for MERL files, with their formats and remedies.
 const OTHER_FORMATS: [(&[u8], &str, &str); 6] = [
     (&[0xfd, b'7', b'z', b'X', b'Z', 0], "an xz archive", "unpack it first (xz -d)"),
     (&[0x1f, 0x8b], "a gzip archive", "unpack it first (gzip -d)"),

@@ -1,4 +1,4 @@
-//! The state of a measured file, for people who have to decide whether to trust it.
+//! The health of a measured file: the basis for deciding whether to use it.
 
 use std::f64::consts::PI;
 use std::sync::OnceLock;
@@ -50,7 +50,7 @@ pub struct Health {
     pub sha256: String,
     /// Numbers of bins of theta_h, theta_d and phi_d.
     pub dimensions: Dimensions,
-    /// Where inside its cell a value was taken to lie, for everything below that speaks of angles.
+    /// Position of a value within its cell, on which all angles below depend.
     pub sample_position: SamplePosition,
     /// Cells by region.
     pub regions: Regions,
@@ -75,11 +75,11 @@ pub struct Regions {
     pub interior: Region,
     /// Above the horizon, one direction more than 80 degrees from the normal.
     pub grazing: Region,
-    /// A direction on or below the horizon: never used, whatever the file says there.
+    /// A direction on or below the horizon: never used, whatever values the file has there.
     pub below_horizon: Region,
 }
 
-/// What the cells of a region hold.
+/// Counts of the cells of a region.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Region {
     /// Number of cells.

@@ -1,4 +1,4 @@
-//! The MERL format behind the seam of all formats.
+//! The MERL format as a measurement.
 
 use brdfit_brdf::Brdf;
 

@@ -1,4 +1,4 @@
-//! One pass over all bytes of a file: its hash, its validity mask and what is wrong with its values.
+//! One pass over all bytes of a file: hash, validity mask, counts of invalid values.
 
 use sha2::{Digest, Sha256};
 use wide::f64x4;
@@ -16,7 +16,7 @@ const STEP: usize = 8 * WORD;
 /// Cells per word of a mask.
 const WORD: usize = 64;
 
-/// What one pass over a file found.
+/// Result of one pass over a file.
 #[derive(Clone, Debug)]
 pub struct Scan {
     dimensions: Dimensions,
@@ -25,7 +25,7 @@ pub struct Scan {
     channels: [ChannelScan; CHANNELS],
 }
 
-/// What one pass found in one colour plane.
+/// Result of one pass over one colour plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ChannelScan {
     /// Values that are finite and below zero: no measurement.
@@ -38,7 +38,7 @@ pub struct ChannelScan {
     pub range: Option<(f64, f64)>,
 }
 
-/// How often something occurs in a plane.
+/// Count of an occurrence in a plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Number of cells.
@@ -98,7 +98,7 @@ impl MerlFile {
     }
 }
 
-/// What the bits of a word of cells stand for.
+/// Meaning of the bits of a word of cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Word {
     /// Finite and not negative.
@@ -230,7 +230,7 @@ impl Scan {
         self.valid_cells() as f64 / self.dimensions.cells() as f64
     }
 
-    /// What was found per colour plane.
+    /// Results per colour plane.
     #[must_use]
     pub fn channels(&self) -> &[ChannelScan; CHANNELS] {
         &self.channels

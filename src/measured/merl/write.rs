@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use crate::grid::dimensions::{CHANNEL_SCALE, Dimensions};
 
-/// What is stored where there is no measurement.
+/// Value stored in cells without a measurement.
 const NO_MEASUREMENT: f64 = -1.0;
 
 /// Writes a MERL file, one plane after the other.
@@ -14,7 +14,7 @@ const NO_MEASUREMENT: f64 = -1.0;
 /// one theta_d, 1.4 kB each; give a buffered writer where calls are expensive.
 ///
 /// # Errors
-/// What `out` reports, or [`io::ErrorKind::InvalidData`] at the first value that is not finite; the file is then
+/// Errors of `out`, or [`io::ErrorKind::InvalidData`] at the first value that is not finite; the file is then
 /// incomplete.
 pub fn write_merl(
     out: &mut impl Write,

@@ -1,4 +1,4 @@
-//! Many pairs of directions at once, eight at a time in single precision.
+//! Batched evaluation of pairs of directions, eight at a time in single precision.
 
 use std::f32::consts::{FRAC_2_PI, PI};
 

@@ -1,4 +1,4 @@
-//! The RGL format behind the seam of all formats.
+//! The RGL format as a measurement.
 
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -29,7 +29,7 @@ pub(crate) static RGL: Format =
 
 const POSITION: SamplePosition = SamplePosition::Centre;
 const GRID: Dimensions = Dimensions::HALF_TURN;
-/// What is stored where a direction lies below the horizon.
+/// Value stored for directions below the horizon.
 const NO_MEASUREMENT: f64 = -1.0;
 /// Pairs of directions over which the non-reciprocity is a median: 12 elevations up to 75 degrees each, 12 azimuths between.
 const STEPS: usize = 12;

@@ -10,7 +10,7 @@ use crate::rgl::warp::{Grids, Warp};
 /// Rounding of pi/2 to single precision.
 const SLACK: f64 = 1e-6;
 
-/// What a file holds.
+/// Content of a file.
 #[derive(Clone, Debug)]
 pub(crate) struct Tables {
     /// Measured angles of i with the normal, radians, increasing.
@@ -27,7 +27,7 @@ pub(crate) struct Tables {
     pub(crate) rgb: Grids,
     /// Whether `rgb` is to be multiplied by `ndf / (4 sigma)`.
     pub(crate) jacobian: bool,
-    /// What the file says about the material.
+    /// The description of the material in the file.
     pub(crate) description: String,
 }
 

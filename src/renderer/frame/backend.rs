@@ -1,4 +1,4 @@
-//! What renders frames.
+//! The interface of backends, which render frames.
 
 use crate::frame::error::FrameError;
 use crate::frame::input::FrameInput;
@@ -12,11 +12,11 @@ use crate::images::layer::Layer;
 pub struct Frame {
     /// Outgoing radiance of every pixel of a surface, row-major, in linear sRGB; zeros in the background.
     pub radiance: Vec<[f32; 3]>,
-    /// What it took.
+    /// Its statistics.
     pub statistics: FrameStatistics,
 }
 
-/// What runs the passes of a frame: a processor and the form that buffers have on it.
+/// A backend runs the passes of a frame: a processor and its representation of buffers.
 pub trait Backend {
     /// An input where the passes read it, and the buffers that they fill.
     type Prepared<'a>;

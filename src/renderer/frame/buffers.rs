@@ -19,9 +19,9 @@ pub(crate) struct FrameBuffers {
     pub(crate) bandwidth: ImageBandwidth,
     /// The surface of each cell.
     pub(crate) pyramid: SurfacePyramid,
-    /// What becomes of each cell.
+    /// State of each cell.
     pub(crate) decisions: Decisions,
-    /// What is shaded.
+    /// The shading points.
     pub(crate) list: ShadingList,
     /// With how many samples.
     pub(crate) counts: SampleCounts,

@@ -34,7 +34,7 @@ pub struct CpuFrame<'a> {
 }
 
 impl<'a> CpuFrame<'a> {
-    /// What is rendered.
+    /// The input of the frame.
     #[must_use]
     pub fn input(&self) -> &FrameInput<'a> {
         &self.input
@@ -96,7 +96,7 @@ impl CpuFrame<'_> {
         }
     }
 
-    /// What becomes of each cell.
+    /// State of each cell.
     fn decide(&mut self, options: &RenderOptions, times: &mut Times) {
         let Self { input, buffers, .. } = self;
         let gbuffer = input.gbuffer();

@@ -1,14 +1,14 @@
-//! Why a frame cannot be rendered.
+//! Errors of rendering a frame.
 
 use crate::frame::options::OptionsError;
 
-/// Why a frame cannot be rendered.
+/// Errors of rendering a frame.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrameError {
     /// The G-buffer counts a material that is not there.
     #[error(
-        "pixel {pixel} has material {material}, and there are {materials}; give one for each index of the G-buffer"
+        "pixel {pixel} has material index {material}, materials: {materials}; give one for each index of the G-buffer"
     )]
     NoMaterial {
         /// The first such pixel, row-major.

@@ -1,4 +1,4 @@
-//! All that a frame is rendered from.
+//! The input of a frame.
 
 use crate::frame::error::FrameError;
 use crate::geometry::differentials::Differentials;
@@ -6,7 +6,7 @@ use crate::geometry::gbuffer::{BACKGROUND, GBuffer};
 use crate::lights::light_set::LightSet;
 use crate::passes::material::Material;
 
-/// All that a frame is rendered from, checked, with what follows from it: the differentials of the surfaces.
+/// The validated input of a frame, with the differentials of its surfaces.
 #[derive(Clone)]
 pub struct FrameInput<'a> {
     gbuffer: GBuffer,
@@ -45,7 +45,7 @@ impl<'a> FrameInput<'a> {
         &self.lights
     }
 
-    /// How the surfaces change from pixel to pixel.
+    /// Screen-space differentials of the surfaces.
     pub(crate) fn differentials(&self) -> &Differentials {
         &self.differentials
     }
@@ -55,7 +55,7 @@ impl<'a> FrameInput<'a> {
         &self.materials
     }
 
-    /// Pixels that show a surface.
+    /// Surface pixels.
     pub(crate) fn foreground(&self) -> usize {
         self.foreground
     }

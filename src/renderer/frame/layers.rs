@@ -1,4 +1,4 @@
-//! What the passes leave behind, as layers of an image.
+//! The buffers of the passes as layers of an image.
 
 use crate::frame::buffers::FrameBuffers;
 use crate::frame::input::FrameInput;

@@ -1,4 +1,4 @@
-//! How a frame is rendered, and what options have to be like.
+//! The options of a frame and their validation.
 
 use std::fmt;
 
@@ -9,14 +9,14 @@ use crate::passes::upsampling_stencil::Upsampling;
 
 /// Largest number of samples per pixel.
 const MOST_SAMPLES_PER_PIXEL: f64 = 65_536.0;
-/// Largest relative error that can be asked for.
+/// Largest target of the relative error.
 const LARGEST_ERROR: f64 = 10.0;
 /// Most samples of a pilot point.
 const MOST_PILOT_SAMPLES: u32 = 4096;
 /// Smallest and largest number of samples per cycle, over two.
 const SAMPLING_RATES: [f32; 2] = [0.01, 100.0];
 
-/// Which parts of the algorithm are at work.
+/// Rendering mode: the active parts of the algorithm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
     /// Pixels and counts both follow the prediction.
@@ -43,24 +43,24 @@ impl Mode {
     }
 }
 
-/// How a frame is rendered. Checked by [`RenderOptions::check`] before anything is.
+/// Options of a frame. [`RenderOptions::check`] validates them before anything is rendered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderOptions {
-    /// Which parts of the algorithm are at work.
+    /// Rendering mode: the active parts of the algorithm.
     pub mode: Mode,
-    /// What is spent; in [`Mode::Reference`] samples per pixel, rounded.
+    /// Sample budget; in [`Mode::Reference`] samples per pixel, rounded.
     pub budget: Budget,
     /// Seed of all sample points.
     pub seed: u32,
     /// Samples of a pilot point, n_b, 4 to 4096.
     pub pilot_samples: u32,
-    /// How bandwidth gets into image space.
+    /// Transport of bandwidth from the surface to the image.
     pub geometry: Geometry,
     /// k_s: samples per cycle over two, 0.01 to 100.
     pub sampling_rate: f32,
-    /// How samples are distributed.
+    /// Sample allocation.
     pub allocation: Allocation,
-    /// How values pass from coarse to fine.
+    /// Up-sampling filter.
     pub upsampling: Upsampling,
     /// Whether the light may be prefiltered.
     pub prefilter: Prefilter,
@@ -109,24 +109,24 @@ impl fmt::Display for RangedOption {
     }
 }
 
-/// Why options cannot be used.
+/// Errors of options.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum OptionsError {
     /// A value outside of its range, or not a number.
     #[error("{option} {value}: must lie {range}")]
     Range {
-        /// Which option.
+        /// The option.
         option: RangedOption,
         /// Its value.
         value: f64,
-        /// What it may be: "above 0, up to 10".
+        /// Its range: "above 0, up to 10".
         range: &'static str,
     },
     /// [`Mode::Reference`] has no prediction that this option could follow.
-    #[error("{0}: the reference mode predicts nothing")]
+    #[error("{0} cannot be used in reference mode, which makes no prediction")]
     NeedsPrediction(RangedOption),
     /// Less than half a sample per pixel in [`Mode::Reference`], which would be rounded to none.
-    #[error("{0} samples per pixel: the reference mode wants at least one sample")]
+    #[error("{0} samples per pixel: the reference mode needs at least one")]
     NoSample(f64),
 }
 

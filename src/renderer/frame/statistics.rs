@@ -1,4 +1,4 @@
-//! What a frame took.
+//! Statistics of a frame: times and samples.
 
 use std::time::Duration;
 
@@ -30,12 +30,12 @@ impl Times {
     }
 }
 
-/// What a frame took.
+/// Statistics of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameStatistics {
     /// Wall time of each pass.
     pub times: Times,
-    /// Pixels that show a surface.
+    /// Surface pixels.
     pub foreground: u64,
     /// Samples of the pilot.
     pub pilot_samples: u64,
@@ -43,6 +43,6 @@ pub struct FrameStatistics {
     pub shading_samples: u64,
     /// Shading points per level.
     pub shaded: [u64; COARSEST_LEVEL + 1],
-    /// Of all, those whose light was prefiltered.
+    /// Number of those whose light was prefiltered.
     pub prefiltered: u64,
 }

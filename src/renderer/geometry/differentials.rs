@@ -1,4 +1,4 @@
-//! How normals, positions and mirror directions change from pixel to pixel.
+//! Screen-space differentials of normals, positions and mirror directions.
 
 use rayon::prelude::*;
 

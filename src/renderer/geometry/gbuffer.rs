@@ -1,4 +1,4 @@
-//! What is visible at each pixel.
+//! The G-buffer: the visible surface at each pixel.
 
 use crate::geometry::vec3::Vec3;
 
@@ -55,11 +55,11 @@ pub struct Surfaces {
     pub material: Vec<u16>,
     /// Texture coordinates.
     pub uv: Vec<[f32; 2]>,
-    /// What the whole BRDF is multiplied by, per channel: the material's texture or 1.
+    /// Factor of the BRDF per channel: the material's texture or 1.
     pub albedo: Vec<[f32; 3]>,
 }
 
-/// Why arrays make no [`GBuffer`].
+/// Errors of building a [`GBuffer`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GBufferError {
@@ -126,7 +126,7 @@ impl GBuffer {
         [self.width, self.height]
     }
 
-    /// Where the surfaces are seen from, world units.
+    /// Position of the eye, world units.
     #[must_use]
     pub fn eye(&self) -> Vec3 {
         self.eye
@@ -174,7 +174,7 @@ impl GBuffer {
         &self.depth
     }
 
-    /// What the whole BRDF is multiplied by at each pixel, per channel.
+    /// Factor of the BRDF at each pixel, per channel.
     #[must_use]
     pub fn albedo(&self) -> &[[f32; 3]] {
         &self.albedo

@@ -1,4 +1,4 @@
-//! What each pixel sees and how it changes; mappings of the sphere; sample points.
+//! G-buffers and their differentials, mappings of the sphere, sample points.
 
 pub(crate) mod differentials;
 pub(crate) mod gbuffer;

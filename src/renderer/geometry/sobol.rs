@@ -6,7 +6,7 @@
 //! 2020 (coordinates and order); constants by Vegdahl, "Building a better LK hash", 2021.
 //!
 //! Guaranteed for every seed: any `2^m` points from a multiple of `2^m` on form a (0, m, 2)-net in base 2, `m <= 24`: each
-//! elementary interval of area `2^-m` holds exactly one. Sequences of different seeds are as good as independent.
+//! elementary interval of area `2^-m` holds exactly one. Sequences with different seeds are uncorrelated in practice.
 
 use wide::{f32x8, u32x8};
 
@@ -45,7 +45,7 @@ pub fn fill(seed: u32, first: u32, u: [&mut [f32]; 2]) {
     }
 }
 
-/// One hash per thing that is scrambled.
+/// One hash per scrambled quantity.
 #[derive(Clone, Copy)]
 struct Seeds {
     order: u32,

@@ -1,4 +1,4 @@
-//! From radiance to what a display shows.
+//! Exposure: from radiance to displayed values.
 
 use brdfit_figures::srgb;
 
@@ -10,7 +10,7 @@ pub fn luminance(colour: [f32; 3]) -> f32 {
     LUMINANCE[0] * colour[0] + LUMINANCE[1] * colour[1] + LUMINANCE[2] * colour[2]
 }
 
-/// What radiance is multiplied by before it is shown: exposed radiance 1 is the brightest value of the display.
+/// Exposure factor of radiance: exposed radiance 1 is the brightest value of the display.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exposure(f32);
 
@@ -20,7 +20,7 @@ impl Exposure {
     /// Largest 95th percentile of the luminance of the exposed foreground.
     const BRIGHT: f64 = 0.9;
 
-    /// Radiance as it is.
+    /// No exposure: factor 1.
     pub const ONE: Self = Self(1.0);
 
     /// A factor of the user's choice; `None` unless it is positive and finite.

@@ -1,4 +1,4 @@
-//! Images in files: radiance with further layers as OpenEXR, and a reference read back; radiance as a display shows it.
+//! Image files: radiance with further layers as OpenEXR, read back as a reference; display images.
 //!
 //! A written OpenEXR file has one part: scan lines, ZIP, single precision, the data window equal to the display window.
 //! Radiance is in the channels R, G, B; every further layer in channels called `layer.channel`, as viewers expect it.
@@ -16,12 +16,12 @@ use crate::images::exposure::Exposure;
 /// No more pixels are read than a square image of this many rows has.
 const MOST_ROWS: usize = 1 << 14;
 
-/// Why an image could not be written or read; one line, in front of which the caller puts the name of the file.
+/// Errors of writing and reading images; the message is one line, to which the caller prepends the file name.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FilmError {
     /// The encoder or the decoder failed.
-    #[error("not an OpenEXR image that can be used ({0}); write it again")]
+    #[error("unreadable OpenEXR image ({0}); write it again")]
     Format(String),
     /// A sound OpenEXR file of another kind.
     #[error("cannot be used as a reference: {0}; use an image that this program wrote, or channels R, G and B")]
@@ -34,7 +34,7 @@ pub enum FilmError {
     Size {
         /// Columns and rows of the file.
         found: [usize; 2],
-        /// Columns and rows that were asked for.
+        /// Requested columns and rows.
         expected: [usize; 2],
     },
     /// A value that is no number.
@@ -97,7 +97,7 @@ impl Film {
     /// Adds a layer: channels `name.component`.
     ///
     /// # Panics
-    /// If there is not one value per pixel, or the layer is there already.
+    /// If there is not one value per pixel, or the layer exists.
     #[must_use]
     pub fn layer(self, layer: &crate::images::layer::Layer) -> Self {
         let add = |film: Self, (component, values): &(&str, Vec<f32>)| {
@@ -118,7 +118,7 @@ impl Film {
     fn plane(mut self, name: &str, pixels: impl Iterator<Item = f32>) -> Self {
         let values: Vec<f32> = pixels.collect();
         assert_eq!(values.len(), self.width * self.height, "{name}: one value per pixel");
-        assert!(self.channels.iter().all(|(other, _)| other != name), "{name} is there already");
+        assert!(self.channels.iter().all(|(other, _)| other != name), "{name} exists");
         self.channels.push((name.to_owned(), values));
         self
     }

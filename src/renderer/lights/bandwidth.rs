@@ -68,7 +68,7 @@ impl LightBandwidth {
     }
 }
 
-/// Where the bandwidths of eight directions stand.
+/// Positions of the bandwidths of eight directions.
 #[inline(always)]
 fn eight_indices([x, y, z]: [f32x8; 3]) -> [usize; 8] {
     let size = LightBandwidth::SIZE as f32;

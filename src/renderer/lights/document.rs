@@ -1,4 +1,4 @@
-//! The lights of a scene's document, and from there to those of the renderer.
+//! The lights of a scene document, and their construction.
 
 use std::path::Path;
 
@@ -19,29 +19,29 @@ use crate::scene::values::{file_name, finite, positive};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum LightDocument {
-    /// A picture of all directions by latitude and longitude: the upper row is +z, the middle column +x, +y lies left of it.
+    /// A latitude-longitude image: the upper row is +z, the middle column +x, +y lies left of it.
     Environment {
         /// OpenEXR (.exr) or Radiance (.hdr).
         file: String,
         /// Turn about +z, degrees, counter-clockwise seen from above.
         #[serde(default)]
         rotation: f64,
-        /// What the radiance is multiplied by.
+        /// Factor of the radiance.
         #[serde(default = "one")]
         scale: f64,
     },
-    /// A light that the program makes.
+    /// A built-in light.
     Procedural {
-        /// Which.
+        /// Name of the built-in light.
         kind: Procedural,
         /// Turn about +z, degrees, counter-clockwise seen from above.
         #[serde(default)]
         rotation: f64,
-        /// What the radiance is multiplied by.
+        /// Factor of the radiance.
         #[serde(default = "one")]
         scale: f64,
     },
-    /// A rectangle that emits the same radiance in all directions on one side, seen by the camera.
+    /// A one-sided rectangular light of constant radiance, visible to the camera.
     Rect(RectangleDocument),
 }
 

@@ -1,8 +1,8 @@
-//! Everything that can be wrong with a light or with a file that should hold one, sorted by what the user can do.
+//! Errors of lights and of their files, grouped by remedy.
 
 use std::io;
 
-/// Why a light could not be made. Each message is one line; where a file is at fault it begins with its name.
+/// Errors of making lights. Each message is one line that begins with the file name, if a file is at fault.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LightError {
@@ -11,7 +11,7 @@ pub enum LightError {
     Io {
         /// The file.
         file: String,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// The bytes are in another format altogether.
@@ -19,7 +19,7 @@ pub enum LightError {
     WrongFormat {
         /// The file.
         file: String,
-        /// What was found instead.
+        /// What was found.
         why: String,
     },
     /// The bytes are in the right format and contradict it.
@@ -35,18 +35,18 @@ pub enum LightError {
     Unsupported {
         /// The file.
         file: String,
-        /// What is wrong and what would be right.
+        /// Fault and remedy.
         why: String,
     },
     /// Values handed over that no light has.
-    #[error("radiance that no light has: {why}; it must be finite, not negative and at most 1e14")]
+    #[error("invalid radiance: {why}; it must be finite, not negative and at most 1e14")]
     Radiance {
         /// The first value or count that is wrong.
         why: String,
     },
 }
 
-/// What the operating system says, without its number.
+/// The message of the operating system, without the error number.
 pub(crate) fn reason(error: &io::Error) -> String {
     match error.kind() {
         _ if error.raw_os_error().is_none() => error.to_string(),
@@ -58,7 +58,7 @@ pub(crate) fn reason(error: &io::Error) -> String {
 }
 
 impl LightError {
-    /// Whether the input was read and is wrong, in contrast to one that could not be read.
+    /// Whether the content is invalid, as opposed to an input error.
     #[must_use]
     pub fn is_invalid_input(&self) -> bool {
         !matches!(self, Self::Io { .. })

@@ -1,4 +1,4 @@
-//! All lights of a scene, and how samples are divided among them.
+//! All lights of a scene, and the division of samples among them.
 
 use std::sync::Arc;
 
@@ -19,10 +19,10 @@ pub struct LightSet {
 #[derive(Clone, Debug)]
 pub struct NearLight(pub(crate) Arc<dyn Lighting>);
 
-/// How lights are looked up.
+/// Filtering of light look-ups.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LookUp {
-    /// As they are: the estimate is unbiased.
+    /// Unfiltered: the estimate is unbiased.
     Exact,
     /// Those that have averages over cones by these, at the size of what one sample stands for (filtered importance sampling).
     Filtered,
@@ -31,7 +31,7 @@ pub(crate) enum LookUp {
 /// The samples of a point, of all techniques together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Samples {
-    /// What is divided.
+    /// Number of samples to divide.
     pub(crate) total: u32,
     pub(crate) look_up: LookUp,
     /// No light that is drawn from takes fewer, which may add some to the total.
@@ -61,7 +61,7 @@ impl LightSet {
         self.environment.as_deref().map(|environment| (&environment.light, &environment.bandwidth))
     }
 
-    /// What the camera sees along a ray through no surface: the nearest light at a finite distance, else, `with_environment`, the
+    /// Radiance along a camera ray that meets no surface: the nearest light at a finite distance, else, `with_environment`, the
     /// environment. `None` where there is neither.
     #[must_use]
     pub fn seen(&self, eye: Vec3, direction: Vec3, with_environment: bool) -> Option<[f32; 3]> {
@@ -99,7 +99,7 @@ impl LightSet {
         1 + self.iter().count()
     }
 
-    /// How many samples a technique takes: the BRDF half of them, rounded up; the lights that are drawn from share the rest, even up to
+    /// Number of samples of a technique: the BRDF half of them, rounded up; the lights that are drawn from share the rest, even up to
     /// one, those ahead first. A light that is looked up by averages is not drawn from, and leaves its share to the BRDF.
     pub(crate) fn count(&self, technique: usize, samples: Samples) -> u32 {
         let lights = self.iter().count() as u32;

@@ -1,17 +1,17 @@
-//! What a light must be able to do.
+//! The interface of lights.
 
 use std::fmt::Debug;
 
 use crate::geometry::vec3::Vec3;
 
-/// Where light arrives, one receiver per lane, world space.
+/// Receivers of light, one per lane, world space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Receivers<'a> {
     /// World units.
     pub(crate) position: [&'a [f32]; 3],
 }
 
-/// What arrives at receivers from given directions, one lane each.
+/// Light that arrives at receivers from given directions, one lane each.
 #[derive(Debug)]
 pub(crate) struct Arriving<'a> {
     /// Linear R, G, B, in the units of the source.
@@ -22,7 +22,7 @@ pub(crate) struct Arriving<'a> {
     pub(crate) distance: &'a mut [f32],
 }
 
-/// What the eye sees of a light.
+/// A light as seen by the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Seen {
     /// World units.
@@ -44,7 +44,7 @@ pub(crate) trait Lighting: Debug + Send + Sync {
     /// which radiance arrives, or is 0 for a receiver that none reaches.
     fn evaluate(&self, receivers: Receivers<'_>, directions: [&[f32]; 3], arriving: Arriving<'_>);
 
-    /// How fast the radiance that arrives changes with the direction, cycles per radian; infinite at an edge.
+    /// Local bandwidth of the incident radiance over direction, cycles per radian; infinite at an edge.
     fn bandwidth(&self, receivers: Receivers<'_>, directions: [&[f32]; 3], bandwidth: &mut [f32]);
 
     /// The same light with averages over cones of directions, where it has them.
@@ -52,7 +52,7 @@ pub(crate) trait Lighting: Debug + Send + Sync {
         None
     }
 
-    /// What a ray of the camera meets, along a unit direction; `None` where it passes.
+    /// The light that a camera ray meets along a unit direction; `None` where it passes.
     fn seen(&self, eye: Vec3, direction: Vec3) -> Option<Seen>;
 }
 

@@ -5,7 +5,7 @@ use crate::lights::octahedral::light::Light;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The built-in lights. Radiance is of the order of 1; nothing is sharper than the texels of a 512 x 512 light can show.
+/// The built-in lights. Radiance is of the order of 1; no feature is finer than the texels of a 512 x 512 light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Procedural {
@@ -15,7 +15,7 @@ pub enum Procedural {
     Studio,
     /// A dark room with thin bright strip lights.
     Strips,
-    /// Radiance 1 from everywhere.
+    /// Radiance 1 from all directions.
     Uniform,
 }
 

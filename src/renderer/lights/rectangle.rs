@@ -1,4 +1,4 @@
-//! A rectangle that emits the same radiance everywhere and in all directions on one side.
+//! A one-sided rectangular light of constant radiance.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ const INSET: f32 = 2e-7;
 /// it, 0.30 to 0.42 near the edges.
 const EDGE_BANDWIDTH: f32 = 0.35;
 
-/// A rectangle that emits the same radiance everywhere and in all directions, on the side that `edges[0] x edges[1]` points to. The
+/// A rectangle of constant radiance in all directions, emitted on the side that `edges[0] x edges[1]` points to. The
 /// camera sees it; its back is black and opaque.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -1,4 +1,4 @@
-//! How many samples each shading point takes.
+//! Sample allocation: the number of samples of each shading point.
 
 use rayon::prelude::*;
 
@@ -12,7 +12,7 @@ use crate::passes::shading_list::ShadingPoint;
 const LEAST_SAMPLES: u32 = 4;
 /// Most samples of a shading point.
 const MOST_SAMPLES: u32 = 16_384;
-/// Added to a mean, in units of the mean of the image: what is dark need not be exact relative to itself.
+/// Added to a mean, in units of the mean of the image: regularises the relative error of dark pixels.
 const DARK: f32 = 0.06;
 /// Least share of the mean request.
 const LEAST_REQUEST: f64 = 0.05;
@@ -33,7 +33,7 @@ pub enum Allocation {
     Even,
 }
 
-/// What the samples are spent on.
+/// Criterion of the sample allocation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
     /// Mean samples per pixel of a surface, the pilot's not counted.
@@ -42,7 +42,7 @@ pub enum Budget {
     TargetError(f64),
 }
 
-/// When the light is looked up in its mips, by BRDF samples alone (filtered importance sampling).
+/// When the light is prefiltered and sampled by the BRDF alone (filtered importance sampling).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Prefilter {
     /// Never: every shaded pixel is unbiased.
@@ -54,7 +54,7 @@ pub enum Prefilter {
     Always,
 }
 
-/// What is predicted for the cell of a shading point: means over its grid, the maximum for the published bound.
+/// Prediction for the cell of a shading point: means over its grid, the maximum for the published bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct CellPrediction {
     mean: f32,
@@ -67,7 +67,7 @@ struct CellPrediction {
 pub(crate) struct SampleCounts {
     /// Samples that a point takes.
     pub(crate) samples: Vec<u32>,
-    /// Whether the light is looked up in its mips at a point: less noise, some bias.
+    /// Whether the light is prefiltered at a point: less noise, some bias.
     pub(crate) prefiltered: Vec<bool>,
 }
 
@@ -84,7 +84,7 @@ pub(crate) struct EqualCountsPass {
     pub(crate) points: usize,
     /// Samples of each.
     pub(crate) samples: u32,
-    /// Whether the light is looked up in its mips.
+    /// Whether the light is prefiltered.
     pub(crate) prefiltered: bool,
 }
 
@@ -106,7 +106,7 @@ pub(crate) struct AllocationPass<'a> {
     pub(crate) points: &'a [ShadingPoint],
     pub(crate) allocation: Allocation,
     pub(crate) budget: Budget,
-    /// Pixels that show a surface.
+    /// Surface pixels.
     pub(crate) foreground: usize,
     pub(crate) prefilter: Prefilter,
 }
@@ -175,7 +175,7 @@ fn area(point: &ShadingPoint) -> f64 {
     f64::from(1_u32 << (2 * point.level.min(COARSEST_LEVEL as u8)))
 }
 
-/// Luminance that counts as dark: a share of the mean prediction over the pixels of surfaces.
+/// Luminance below which relative error is regularised: a share of the mean prediction over the surface pixels.
 fn dark(pilot: &Pilot) -> f32 {
     let (mut sum, mut count) = (0.0_f64, 0_u32);
     for prediction in pilot.points.of_pixel.iter().filter_map(|&point| pilot.predictions.get(point as usize)) {

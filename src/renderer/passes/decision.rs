@@ -11,7 +11,7 @@ use crate::passes::upsampling_stencil::{Coarser, Stencil, Upsampling};
 /// Cells that one thread takes at a time, at least.
 const SPLIT: usize = 4096;
 
-/// What becomes of a cell.
+/// State of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum State {
@@ -48,7 +48,7 @@ pub(crate) struct DecisionLevel {
     pub(crate) pulled: Vec<bool>,
     /// Level that the cell allows, graded; [`NO_LEVEL`] where it is empty.
     allowed: Vec<u8>,
-    /// Where interpolated cells get their values from.
+    /// Stencils of the interpolated cells.
     pub(crate) stencils: Vec<Stencil>,
 }
 

@@ -20,7 +20,7 @@ use crate::lights::lighting::{Arriving, Receivers};
 /// Samples of a batch: what they hold stays in the first cache level.
 pub(crate) const LANES: usize = 256;
 
-/// What light is gathered for. The pilot's points differ from those of shading, or counts would depend on the values that they
+/// Purpose of the gathered light. The pilot's points differ from those of shading, or counts would depend on the values that they
 /// are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
@@ -59,7 +59,7 @@ pub(crate) struct Request {
     pub(crate) taken: Range<u32>,
 }
 
-/// What light is gathered with.
+/// Inputs of light gathering.
 #[derive(Clone, Copy)]
 pub(crate) struct Gathering<'a> {
     pub(crate) shading: &'a dyn BatchBrdf,
@@ -106,7 +106,7 @@ pub(crate) struct Batch {
     pub(crate) weight: Vec<f32>,
     /// `sum_k n_k p_k`, 1/sr: the density of all samples of the place together.
     pub(crate) density: Vec<f32>,
-    /// What arrives from each light.
+    /// Incident light from each light.
     lights: Vec<FromLight>,
     position: [Vec<f32>; 3],
     u: [Vec<f32>; 2],
@@ -116,7 +116,7 @@ pub(crate) struct Batch {
     frames: Vec<Frame>,
 }
 
-/// What arrives from one light.
+/// Incident light from one light.
 #[derive(Debug)]
 struct FromLight {
     radiance: [Vec<f32>; 3],
@@ -328,7 +328,7 @@ impl Batch {
         }
     }
 
-    /// What arrives in a lane from one light, times the BRDF.
+    /// Incident light in a lane from one light, times the BRDF.
     pub(crate) fn arriving(&self, light: usize, lane: usize) -> Reflected {
         let from = &self.lights[light];
         Reflected {

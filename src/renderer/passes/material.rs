@@ -1,4 +1,4 @@
-//! A material: what is given, and as the passes see it.
+//! Materials: as given by the caller, and as prepared for the passes.
 
 use brdfit_bandwidth::{Atlas, AtlasPlace};
 use brdfit_brdf::{BatchBrdf, Brdf, Lambert};

@@ -1,4 +1,4 @@
-//! What a pass is.
+//! The interface of passes.
 
 /// A pass of a frame, ready to run: a function from buffers, the fields of the type, to the buffer that it fills.
 ///

@@ -1,4 +1,4 @@
-//! The surface pyramid: cells of 2^k x 2^k pixels, and the surface that each stands for.
+//! The surface pyramid: cells of 2^k x 2^k pixels, and the surface that each represents.
 
 use rayon::prelude::*;
 

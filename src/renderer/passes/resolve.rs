@@ -1,4 +1,4 @@
-//! From radiance with a texture of 1 to the image.
+//! The resolve pass: radiance times texture, and the background.
 
 use rayon::prelude::*;
 use wide::f32x4;

@@ -1,4 +1,4 @@
-//! From the shading points to all pixels: values pulled up into refined cells, then interpolated from coarse to fine.
+//! Up-sampling from shading points to pixels: values are pulled up into refined cells, then interpolated from coarse to fine.
 
 use rayon::prelude::*;
 use wide::f32x4;
@@ -16,7 +16,7 @@ const LEAST_COSINE: f32 = 0.01;
 /// Radiance with a texture of 1 of every cell of every level.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct CellRadiance {
-    /// Levels 0 to 5, row-major; red, green, blue and something; zeros where a cell has no value.
+    /// Levels 0 to 5, row-major; red, green, blue, unused; zeros where a cell has no value.
     pub(crate) levels: [Vec<f32x4>; COARSEST_LEVEL + 1],
 }
 

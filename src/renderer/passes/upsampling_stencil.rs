@@ -1,5 +1,5 @@
-//! Where an interpolated cell gets its value from: weights of the four nearest cells of the next coarser level, or Catmull-Rom
-//! over sixteen where the surface is smooth enough.
+//! Stencils of interpolated cells: weights of the four nearest cells of the next coarser level, or Catmull-Rom over sixteen
+//! where the surface is smooth enough.
 
 use wide::f32x4;
 
@@ -7,11 +7,11 @@ use crate::geometry::gbuffer::GBuffer;
 use crate::geometry::grazing::LEAST_COSINE;
 use crate::passes::pyramid::{Cell, Extent};
 
-/// A cell whose weights sum to less has nothing to be interpolated from.
+/// A cell with a smaller total weight cannot be interpolated.
 const LEAST_WEIGHT: f32 = 0.01;
-/// Weight of a parent whose normal is at right angles, per unit of the others: below it only nothing is worse.
+/// Least weight of a parent, that of a perpendicular normal: a poor parent is better than none.
 const LEAST_NORMAL_WEIGHT: f32 = 1e-6;
-/// Catmull-Rom wants parents whose normals have at least this cosine with the cell's.
+/// Catmull-Rom needs parents whose normals have at least this cosine with the cell's.
 const CUBIC_NORMAL: f32 = 0.7;
 /// and that lie within this many parent cells of the cell's tangent plane.
 const CUBIC_PLANE: f32 = 2.0;
@@ -24,7 +24,7 @@ const CUBIC: [f32; 4] = [-0.0234375, 0.2265625, 0.8671875, -0.0703125];
 /// Bilinear weights of parents X - 1 and X for an even child; an odd child takes them reversed for X and X + 1.
 const LINEAR: [f32; 2] = [0.25, 0.75];
 
-/// How values pass from coarse to fine.
+/// Up-sampling filter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Upsampling {
     /// Weights by the distance from each other's tangent plane and by normals; Catmull-Rom on smooth surfaces.
@@ -41,7 +41,7 @@ pub(crate) struct Coarser<'a, F: Fn(usize) -> bool> {
     pub(crate) has_value: F,
 }
 
-/// Where one cell gets its value from.
+/// The stencil of one cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Stencil {
     /// Weights of the four bilinear parents in row order, sum 1.

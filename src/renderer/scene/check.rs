@@ -1,4 +1,4 @@
-//! What must hold for the values of a scene document, beyond their types.
+//! Validation of the values of a scene document beyond their types.
 
 use crate::scene::document::{
     AlbedoDocument, CameraDocument, MaterialSource, MeshDocument, ObjectDocument, SceneDocument, SceneMaterial,

@@ -1,4 +1,4 @@
-//! The document that describes a scene, as people write it.
+//! The scene document, as written by the user.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,8 +12,9 @@ use crate::lights::light_set::NearLight;
 use crate::lights::octahedral::light::Light;
 use crate::scene::error::{Field, SceneError};
 
-/// A scene: what is seen from where, of which materials, under which light. World: right-handed, +z up. Lengths share one unit of
-/// any size, angles are in degrees, colours are linear R, G, B with the primaries of sRGB. File names are relative to the folder of the scene.
+/// A scene: camera, objects, materials and lights. World: right-handed, +z up. Lengths share one unit of any
+/// size, angles are in degrees, colours are linear R, G, B with the primaries of sRGB. File names are relative to the folder of
+/// the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "brdfit scene")]
@@ -22,12 +23,12 @@ pub struct SceneDocument {
     /// The schema of this document, for editors; not read.
     #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
     pub schema: Option<String>,
-    /// From where the scene is seen.
+    /// The camera.
     pub camera: CameraDocument,
-    /// The only light. Either this or `lights`.
+    /// A single light; exclusive with `lights`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub light: Option<LightDocument>,
-    /// The lights, one at least, whose radiances add up; of `environment` and `procedural` one at most.
+    /// The lights, at least one; their radiances add up. At most one of `environment` and `procedural`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub lights: Option<Vec<LightDocument>>,
@@ -60,17 +61,17 @@ pub struct CameraDocument {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneMaterial {
-    /// Where its BRDF comes from.
+    /// Source of its BRDF.
     pub source: MaterialSource,
     /// Its bandwidth atlas, KTX2 or OpenEXR; computed where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub atlas: Option<String>,
-    /// What the whole BRDF is multiplied by over the surface; 1 where absent.
+    /// Factor of the BRDF, varying over the surface; 1 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub albedo: Option<AlbedoDocument>,
 }
 
-/// Where a BRDF comes from.
+/// Source of a BRDF.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MaterialSource {
@@ -80,12 +81,12 @@ pub enum MaterialSource {
     Measured {
         /// A file in the MERL format.
         file: String,
-        /// Where inside its cell a tabulated value lies; left out: as the format has it, `edge` for MERL files.
+        /// Position of a tabulated value within its cell; default: that of the format, `edge` for MERL files.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "SampleLocation")]
         sample_position: Option<SampleLocation>,
     },
-    /// A material that the program carries with it, by its name.
+    /// An embedded material, by its name.
     Embedded(String),
     /// A diffuse surface of this albedo per channel, 0 to 1.
     Lambert([f64; 3]),
@@ -101,7 +102,7 @@ pub enum MaterialSource {
     },
 }
 
-/// Where inside its cell a tabulated value of a measurement lies.
+/// Position of a tabulated value of a measurement within its cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SampleLocation {
@@ -111,11 +112,11 @@ pub enum SampleLocation {
     Centre,
 }
 
-/// A factor that varies over a surface, a function of texture coordinates.
+/// A factor of the BRDF as a function of texture coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum AlbedoDocument {
-    /// A picture, repeated, read bilinearly; its lower left corner is at (0, 0).
+    /// An image, repeated, interpolated bilinearly; its lower left corner is at (0, 0).
     Texture {
         /// PNG with the sRGB curve.
         file: String,
@@ -149,7 +150,7 @@ pub struct ObjectDocument {
     /// Turns about the world's x, then y, then z axis, degrees, counter-clockwise seen against the axis.
     #[serde(default)]
     pub rotate: [f64; 3],
-    /// Where its origin goes.
+    /// Position of its origin.
     #[serde(default)]
     pub translate: [f64; 3],
 }
@@ -200,10 +201,10 @@ pub enum MeshDocument {
         /// Bumps per unit of length on the unit sphere, above 0; that of the finest octave at most 32.
         #[serde(default = "bump_frequency")]
         frequency: f64,
-        /// Sum of so many displacements, each of twice the frequency and half the amplitude of the one before; 1 to 8.
+        /// Number of octaves, each of twice the frequency and half the amplitude of the one before; 1 to 8.
         #[serde(default = "one_octave")]
         octaves: u32,
-        /// Which of the irregular shapes.
+        /// Seed of the irregular shape.
         #[serde(default)]
         seed: u32,
     },
@@ -230,7 +231,7 @@ pub enum UpAxis {
     /// +y, as glTF prescribes: (x, y, z) becomes (x, -z, y).
     #[default]
     Y,
-    /// +z: nothing is changed.
+    /// +z: unchanged.
     Z,
 }
 

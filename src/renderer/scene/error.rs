@@ -1,4 +1,4 @@
-//! Everything that can be wrong with a scene or with the files that it names, sorted by what the user can do.
+//! Errors of scenes and of the files that they name, grouped by remedy.
 
 use std::fmt;
 use std::io;
@@ -6,15 +6,15 @@ use std::path::{Path, PathBuf};
 
 use crate::lights::error::{LightError, reason};
 
-/// Why a scene could not be read. Each message is one line: the path to the member of the document that is wrong, the file that
-/// it names if it does, what is wrong. The caller puts the name of the scene's own file in front.
+/// Errors of reading scenes. Each message is one line: the path to the invalid member of the document, the file that
+/// it names if any, the fault. The caller prepends the name of the scene file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
     /// The text is not JSON, or a member is missing, unknown, of the wrong type, or has a value that cannot be used.
     #[error("{field}{why}")]
     Document {
-        /// Where in the document.
+        /// The path to the member in the document.
         field: Field,
         /// What is wrong.
         why: String,
@@ -26,7 +26,7 @@ pub enum SceneError {
         field: Field,
         /// The file, with the folder of the scene in front.
         file: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// A file that the scene names was read and cannot be used.
@@ -36,7 +36,7 @@ pub enum SceneError {
         field: Field,
         /// The file, with the folder of the scene in front.
         file: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         why: String,
     },
     /// The light could not be made; the message names its file.
@@ -50,7 +50,7 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    /// Whether the bytes were read and are wrong, in contrast to files that could not be read.
+    /// Whether the content is invalid, as opposed to an input error.
     #[must_use]
     pub fn is_invalid_input(&self) -> bool {
         match self {
@@ -74,7 +74,7 @@ impl SceneError {
     }
 }
 
-/// Why a mesh or an image could not be read; the caller knows the file.
+/// Errors of reading a mesh or an image; the caller knows the file.
 #[derive(Debug)]
 pub(crate) enum FileError {
     Io(io::Error),

@@ -1,4 +1,4 @@
-//! The G-buffer: what each pixel sees.
+//! The G-buffer of a scene.
 
 use rayon::prelude::*;
 

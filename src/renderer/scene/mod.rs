@@ -1,4 +1,4 @@
-//! Scenes: the document, the surfaces that it describes, and what of them each pixel sees.
+//! Scenes: the document, its surfaces, and their G-buffer.
 //!
 //! [`SceneDocument::read`] reads and checks the document, [`Scene::load`] the meshes and textures that it names, [`Scene::gbuffer`]
 //! finds what is visible. The light and the BRDFs are the caller's, who finds them in the document.
@@ -164,7 +164,7 @@ fn load_mesh(mesh: &MeshDocument, folder: &Path, at: &Field) -> Result<Mesh, Sce
     })
 }
 
-/// What `read` makes of the bytes of `file`, which the member at `field` names.
+/// The result of `read` for the bytes of `file`, which the member at `field` names.
 fn load_file<T>(
     folder: &Path,
     file: &str,

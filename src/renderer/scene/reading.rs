@@ -1,4 +1,4 @@
-//! From the text of a scene document to a checked one.
+//! Reading and validation of scene documents.
 
 use serde::de::IgnoredAny;
 
@@ -21,7 +21,7 @@ impl SceneDocument {
     }
 }
 
-/// What is wrong with the member at `path`.
+/// An error of the member at `path`.
 fn refuse(json: &[u8], path: &str, error: &serde_json::Error) -> SceneError {
     let place = |error: &serde_json::Error| (error.line(), error.column());
     if error.is_data() {

@@ -1,4 +1,4 @@
-//! Colours over a surface: pictures, chequerboards, constants.
+//! Textures: images, chequerboards, constants.
 
 use std::io::Cursor;
 
@@ -62,7 +62,7 @@ fn between(x: f32, count: usize) -> ([usize; 2], f32) {
     ([first, (first + 1) % count], place - low)
 }
 
-/// What multiplies a BRDF over a surface.
+/// Factor of a BRDF over a surface.
 #[derive(Clone, Debug)]
 pub(crate) enum Albedo {
     Constant([f32; 3]),

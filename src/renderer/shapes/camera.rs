@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::geometry::vec3::Vec3;
 use crate::scene::document::CameraDocument;
 
-/// Where pixels look: pixel (x, y) is the direction through its centre, row 0 at the top.
+/// Ray directions of pixels: pixel (x, y) is the direction through its centre, row 0 at the top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Columns.

@@ -25,7 +25,7 @@ const DEEPEST: usize = 256;
 ///
 /// # Errors
 /// A file that contradicts the standard or uses what is not supported (strips and fans, sparse and compressed accessors, buffers from the
-/// network), buffers that cannot be read, whatever [`Mesh::from_file`] refuses.
+/// network), buffers that cannot be read, and the errors of [`Mesh::from_file`].
 pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<Mesh, FileError> {
     let (document, blob) = parse(bytes).map_err(|why| FileError::content(format!("not a valid glTF file: {why}")))?;
     let mut buffers = Vec::new();

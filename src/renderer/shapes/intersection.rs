@@ -1,4 +1,4 @@
-//! Where a ray meets a triangle.
+//! Ray-triangle intersection.
 
 use crate::geometry::vec3::Vec3;
 

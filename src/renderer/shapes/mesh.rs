@@ -1,4 +1,4 @@
-//! Triangles with normals and texture coordinates, whatever they come from.
+//! Triangle meshes with normals and texture coordinates.
 
 use std::collections::HashMap;
 

@@ -8,7 +8,7 @@ use crate::shapes::mesh::Mesh;
 /// read.
 ///
 /// # Errors
-/// Anything that tobj does not understand and whatever [`Mesh::from_file`] refuses.
+/// Files that tobj cannot parse, and the errors of [`Mesh::from_file`].
 pub(crate) fn read(bytes: &[u8]) -> Result<Mesh, FileError> {
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ignore_points: true, ignore_lines: true };
     let mut text = bytes;

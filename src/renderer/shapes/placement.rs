@@ -1,4 +1,4 @@
-//! Where an object is in the world.
+//! Placement of an object in the world.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -15,7 +15,7 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
-    /// Everything stays where it is.
+    /// The identity.
     pub(crate) fn identity() -> Self {
         Self { linear: Matrix3::identity(), offset: Vector3::zeros(), normals: Matrix3::identity() }
     }
@@ -65,7 +65,7 @@ impl Placement {
         (self.linear * p.cast::<f64>() + self.offset).cast()
     }
 
-    /// Where the unit normal `n` points.
+    /// Direction of the unit normal `n` in the world.
     pub(crate) fn direction(&self, n: Vec3) -> Vec3 {
         let n = self.normals * n.cast::<f64>();
         (n / n.norm()).cast()

@@ -1,4 +1,4 @@
-//! The first triangle that a ray meets.
+//! The nearest triangle along a ray.
 
 use bvh::aabb::{Aabb, Bounded};
 use bvh::bounding_hierarchy::{BHShape, BoundingHierarchy};
@@ -90,7 +90,7 @@ impl VisibleSurfaces {
     }
 }
 
-/// Where the ray enters a box, if it does so before `limit`; 0 from inside.
+/// Distance at which the ray enters a box, if before `limit`; 0 from inside.
 fn enter(ray: &Ray, bounds: &Aabb<f32, 3>, limit: f32) -> Option<f32> {
     let (mut entry, mut exit) = (0.0, limit);
     for axis in 0..3 {

@@ -20,7 +20,7 @@ use crate::terminal::exit_code::Problem;
 /// Size of the map of the light.
 const LIGHT_MAP: [usize; 2] = [2048, 1024];
 
-/// What was rendered.
+/// The rendered frame.
 pub(crate) struct Rendered<'a> {
     pub(crate) scene: &'a RenderedScene<'a>,
     /// With its background.
@@ -31,7 +31,7 @@ pub(crate) struct Rendered<'a> {
 /// Writes all files of the plan but the statistics.
 ///
 /// # Errors
-/// What the operating system reports.
+/// Errors of the operating system.
 pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Problem> {
     let Rendered { scene, image, exposure } = rendered;
     let [width, height] = scene.gbuffer().size();
@@ -59,7 +59,7 @@ pub(crate) fn write(plan: &RenderPlan, rendered: &Rendered<'_>) -> Result<(), Pr
 /// Writes the image beside the map of where it was shaded, under a title.
 ///
 /// # Errors
-/// What the operating system reports.
+/// Errors of the operating system.
 pub(crate) fn write_map(path: &Path, title: &str, rendered: &Rendered<'_>) -> Result<(), Problem> {
     let width = rendered.scene.gbuffer().size()[0];
     let level = |&level: &f32| if level < 0.0 { u8::MAX } else { (level as u8).min(COARSEST_LEVEL as u8) };

@@ -1,4 +1,4 @@
-//! A scene, rendered.
+//! Renders a scene.
 
 use std::time::Instant;
 
@@ -60,12 +60,12 @@ impl<'a> RenderedScene<'a> {
         Ok(Self { frame, radiance, variance, statistics, times })
     }
 
-    /// What is visible.
+    /// The G-buffer.
     pub(crate) fn gbuffer(&self) -> &GBuffer {
         self.frame.input().gbuffer()
     }
 
-    /// What it was rendered from.
+    /// Its input.
     pub(crate) fn input(&self) -> &FrameInput<'a> {
         self.frame.input()
     }
@@ -75,7 +75,7 @@ impl<'a> RenderedScene<'a> {
         Cpu.layers(&self.frame, group)
     }
 
-    /// What suits the image, or a reference that it is compared with.
+    /// The default exposure: of the reference if there is one, else of the image.
     pub(crate) fn exposure(&self, reference: Option<&[[f32; 3]]>) -> Exposure {
         Exposure::of(reference.unwrap_or(&self.radiance), &self.gbuffer().foreground())
     }

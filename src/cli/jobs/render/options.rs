@@ -1,4 +1,4 @@
-//! The options of `brdfit render` that influence an image: from what was typed to what the renderer takes, and to what the
+//! The options of `brdfit render` that influence an image: from arguments to the options of the renderer, and to what the
 //! statistics say. Limits are the renderer's.
 
 use brdfit_renderer::{Budget, OptionsError, Prefilter, RangedOption, RenderOptions};
@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::args::render::RenderArgs;
 use crate::terminal::exit_code::Problem;
 
-/// What the renderer takes.
+/// Options of the renderer.
 ///
 /// # Errors
 /// Options outside of their range or against each other.
@@ -49,12 +49,14 @@ fn refused(error: OptionsError, args: &RenderArgs) -> Problem {
         }
         OptionsError::Range { option, value, range } => format!("{} {value}: must lie {range}", flag(option)),
         OptionsError::NeedsPrediction(RangedOption::PrefilterThreshold) => {
-            format!("--prefilter {}: --mode reference predicts nothing; never or always", args.prefilter)
+            format!("--prefilter {}: --mode reference accepts only never or always", args.prefilter)
         }
         OptionsError::NeedsPrediction(option) => {
-            format!("{}: --mode reference predicts nothing; choose --spp", flag(option))
+            format!("{} cannot be used with --mode reference; use --spp", flag(option))
         }
-        OptionsError::NoSample(samples) => format!("--spp {samples}: --mode reference wants at least one sample"),
+        OptionsError::NoSample(samples) => {
+            format!("--spp {samples}: --mode reference needs at least one sample per pixel")
+        }
     };
     Problem::usage(message)
 }
@@ -69,35 +71,35 @@ fn flag(option: RangedOption) -> &'static str {
     }
 }
 
-/// Options, by the words of the command line.
+/// Options, as on the command line.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct OptionsEntry {
-    /// Which parts of the prediction are used.
+    /// Rendering mode.
     pub(crate) mode: String,
-    /// Mean samples per pixel that were asked for.
+    /// Requested mean number of samples per surface pixel.
     pub(crate) spp: Option<f64>,
-    /// Relative error that was asked for.
+    /// Requested relative error.
     pub(crate) target_error: Option<f64>,
     /// Seed.
     pub(crate) seed: u32,
-    /// Frames that were averaged.
+    /// Number of averaged frames.
     pub(crate) frames: u32,
     /// Samples of a pilot point.
     pub(crate) pilot_samples: u32,
-    /// How bandwidth is carried into the image.
+    /// Transport of bandwidth from the surface to the image.
     pub(crate) geometry: String,
-    /// Samples per cycle, over two.
+    /// Sampling rate in units of the Nyquist rate.
     pub(crate) sampling_rate: f32,
-    /// How samples are distributed.
+    /// Sample allocation.
     pub(crate) allocation: String,
-    /// How pixels are filled.
+    /// Filter that fills the pixels between the shaded ones.
     pub(crate) upsample: String,
     /// never, always, or the threshold.
     pub(crate) prefilter: String,
 }
 
 impl OptionsEntry {
-    /// The options by the words that were typed.
+    /// The options, as on the command line.
     pub(crate) fn new(args: &RenderArgs, options: &RenderOptions) -> Self {
         let (spp, target_error) = match options.budget {
             Budget::SamplesPerPixel(spp) => (Some(spp), None),

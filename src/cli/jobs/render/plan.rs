@@ -1,4 +1,4 @@
-//! What `brdfit render` is going to do, checked before anything is done.
+//! The validated plan of `brdfit render`.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use crate::terminal::exit_code::Problem;
 #[derive(Clone, Debug)]
 pub(crate) struct RenderPlan {
     pub(crate) scene: PathBuf,
-    /// Folder where files of materials are looked for first.
+    /// Folder that is searched first for files of materials.
     pub(crate) materials: Option<PathBuf>,
     pub(crate) options: RenderOptions,
     /// Layers of the image, in the order of the frame.
@@ -96,10 +96,10 @@ fn check_places(args: &RenderArgs, files: &RenderTargets) -> Result<(), Problem>
     let written: Vec<&PathBuf> = std::iter::once(&files.image).chain(optional.into_iter().flatten()).collect();
     for (n, path) in written.iter().enumerate() {
         if *path == printed {
-            return Err(Problem::usage("-: images do not go to standard output; name a file"));
+            return Err(Problem::usage("-: images cannot be written to standard output; name a file"));
         }
         if written[..n].contains(path) {
-            return Err(Problem::usage(format!("{}: is to be written twice; choose another name", path.display())));
+            return Err(Problem::usage(format!("{}: is named for two outputs; choose another name", path.display())));
         }
         let inputs = std::iter::once(&args.scene).chain(&args.reference).map(PathBuf::as_path);
         keep_inputs(inputs, std::slice::from_ref(*path), "; choose another name")?;
@@ -149,15 +149,15 @@ mod tests {
             ("--spp 0", "--spp 0: must lie above 0"),
             ("--spp nan", "--spp NaN"),
             ("--mode reference --spp 0.3", "at least one sample"),
-            ("--mode reference --target-error 0.1", "predicts nothing"),
-            ("--mode reference --prefilter 0.1", "predicts nothing"),
+            ("--mode reference --target-error 0.1", "cannot be used with --mode reference"),
+            ("--mode reference --prefilter 0.1", "accepts only never or always"),
             ("--target-error -1", "--target-error -1"),
             ("--prefilter some", "--prefilter some: must be never"),
             ("--prefilter -1", "--prefilter -1"),
             ("--sampling-rate 0", "--sampling-rate 0"),
             ("--exposure 0", "--exposure 0"),
-            ("--png x.exr", "x.exr: is to be written twice"),
-            ("--png - --stats -", "images do not go to standard output"),
+            ("--png x.exr", "x.exr: is named for two outputs"),
+            ("--png - --stats -", "images cannot be written to standard output"),
             ("--png no/such/folder.png", "its folder does not exist"),
         ] {
             let message = plan(&format!("brdfit render s.json -o x.exr {options}")).unwrap_err().to_string();

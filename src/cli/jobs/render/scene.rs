@@ -1,4 +1,4 @@
-//! From a scene's document to everything that a frame needs: surfaces, light, materials with their atlases.
+//! Assembles the input of a frame from a scene document: surfaces, lights, materials with their atlases.
 
 use std::cell::LazyCell;
 use std::fs;
@@ -23,7 +23,7 @@ use crate::terminal::exit_code::Problem;
 pub(crate) struct LoadedScene {
     pub(crate) scene: Scene,
     pub(crate) lights: LightSet,
-    /// What the bandwidth of the lights took.
+    /// Time for the bandwidth of the lights.
     pub(crate) light_bandwidth: Duration,
     /// In the order of the G-buffer's indices.
     pub(crate) materials: Vec<LoadedMaterial>,
@@ -44,7 +44,7 @@ impl LoadedMaterial {
     }
 }
 
-/// Where the files are that a scene names.
+/// Folders of the files that a scene names.
 struct Folders<'a> {
     scene: &'a Path,
     /// Looked at first.
@@ -82,7 +82,7 @@ impl LoadedScene {
     }
 }
 
-/// A material as far as there are files of it.
+/// The files of a material.
 struct OpenedMaterial {
     brdf: Box<dyn Brdf>,
     atlas: Option<Atlas>,
@@ -105,7 +105,7 @@ impl OpenedMaterial {
         if atlas.is_some() || is_diffuse {
             return Ok(LoadedMaterial { brdf, atlas });
         }
-        info!(material = member, "no atlas is named; one is computed");
+        info!(material = member, "no atlas named; computing one");
         let (channels, options) = (AtlasChannels::Max, LobeOptions::default());
         let grid: &LobeGrid = grid;
         let (atlas, _) = in_pool(|| compute_atlas(brdf.as_ref(), Layout::Isotropic, channels, grid, &options))
@@ -136,7 +136,7 @@ fn brdf(source: &MaterialSource, folders: &Folders<'_>) -> anyhow::Result<Box<dy
         MaterialSource::Embedded(name) => {
             let material = embedded_materials::material(name).ok_or_else(|| {
                 let names = embedded_materials::names().collect::<Vec<_>>().join(", ");
-                Problem::invalid(format!("no embedded material is called {name}; choose one of {names}"))
+                Problem::invalid(format!("no embedded material {name}; choose one of {names}"))
             })?;
             (MaterialInput::Embedded(material), Reading::default())
         }

@@ -1,4 +1,4 @@
-//! What `brdfit render --stats` writes.
+//! The document of `brdfit render --stats`.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use crate::jobs::render::options::OptionsEntry;
 /// Version of the layout.
 const SCHEMA_VERSION: u32 = 1;
 
-/// How a frame was rendered, what it took, and how good it is. Times differ from run to run; all else is repeatable.
+/// Statistics of a rendering: options, samples, times, quality. All but the times are reproducible.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[schemars(title = "brdfit render statistics")]
 pub(crate) struct RenderDocument {
@@ -21,13 +21,13 @@ pub(crate) struct RenderDocument {
     pub(crate) program: String,
     /// The scene.
     pub(crate) scene: SceneEntry,
-    /// Everything that the image depends on.
+    /// Everything the image depends on.
     pub(crate) options: OptionsEntry,
     /// Columns and rows.
     pub(crate) size: [usize; 2],
-    /// Pixels that show a surface.
+    /// Surface pixels.
     pub(crate) foreground: u64,
-    /// Samples that were taken, by one frame.
+    /// Samples of one frame.
     pub(crate) samples: SamplesEntry,
     /// Shading points per level: cells of 1, 2, 4, .. 32 pixels along a side.
     pub(crate) shaded_per_level: Vec<u64>,
@@ -51,11 +51,11 @@ pub(crate) struct SceneEntry {
 /// Samples.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct SamplesEntry {
-    /// Of the pilot.
+    /// Samples of the pilot.
     pub(crate) pilot: u64,
-    /// Of the shading points.
+    /// Samples of the shading points.
     pub(crate) shading: u64,
-    /// Of both, per pixel of a surface.
+    /// Samples of both per surface pixel.
     pub(crate) per_pixel: f64,
 }
 
@@ -84,12 +84,12 @@ pub(crate) struct TimesEntry {
     pub(crate) frame: f64,
 }
 
-/// How near to the reference, over the pixels of surfaces.
+/// Errors relative to the reference, over the surface pixels.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct QualityEntry {
     /// File name of the reference without its folder.
     pub(crate) reference: String,
-    /// Factor from radiance to display.
+    /// Exposure factor.
     pub(crate) exposure: f32,
     /// Peak signal to noise ratio of the exposed image under the sRGB curve, decibel; none if it is the same.
     pub(crate) psnr: Option<f64>,

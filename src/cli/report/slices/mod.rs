@@ -1,4 +1,4 @@
-//! The picture of a fit: both slices, measured and fitted, with the parameters beneath. SVG, self-contained.
+//! The plot of a fit: both slices, measured and fitted, with the parameters beneath. SVG, self-contained.
 //!
 //! Drawn by hand rather than by a plotting library: the square root axis of theta_h, the shared logarithmic axis and the
 //! table that is at the same time the legend are what makes the picture readable, and the same document gives the same

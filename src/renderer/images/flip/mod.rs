@@ -1,4 +1,4 @@
-//! LDR-FLIP, the difference that a person sees when two images alternate on a display.
+//! LDR-FLIP, the perceived difference of two images that alternate on a display.
 //!
 //! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström, M. D. Fairchild: "FLIP: A difference evaluator
 //! for alternating images", Proc. ACM Comput. Graph. Interact. Tech. 3 (2), 2020; the sections below are this paper's.
@@ -72,7 +72,7 @@ pub fn mean(map: &[f32], foreground: &[bool]) -> f64 {
     shown().map(|(&value, _)| f64::from(value)).sum::<f64>() / shown().count().max(1) as f64
 }
 
-/// What the eye lets through of each component of opponent colours, section 4.1.1.
+/// Contrast sensitivity of the eye for each component of opponent colours, section 4.1.1.
 fn filtered(opponent: &[Plane; 3], pixels_per_degree: f64) -> [Plane; 3] {
     let pi = std::f64::consts::PI;
     let widest = SENSITIVITY.iter().flat_map(|gaussians| gaussians.iter()).map(|&[_, b]| b).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! Many look-ups in a light at once, eight lanes at a time; arrays of components in, arrays of components out.
+//! Batched look-ups in a light, eight lanes at a time, on arrays of components.
 //!
 //! All results are those of the single look-ups bit for bit, wherever in a slice they stand.
 

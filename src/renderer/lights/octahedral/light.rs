@@ -1,4 +1,4 @@
-//! The light: radiance from all directions, at infinite distance.
+//! The octahedral light: radiance from all directions, at infinite distance.
 
 use crate::geometry::octahedral::{
     direction_to_signed_square, l1_norm, solid_angle_per_area, square_to_direction, wrap,
@@ -18,8 +18,8 @@ pub const LARGEST_RADIANCE: f32 = 1e14;
 
 /// Radiance from all directions as an octahedral image with its mip levels, and a way to draw directions from it.
 ///
-/// One image is the light for everything: radiance is what a bilinear look-up in it gives, and the density of [`Self::sample`] is
-/// positive wherever that is. World space, +z up; radiance in the units of the source, linear RGB.
+/// One image serves evaluation, sampling, export and bandwidth: radiance is its bilinear interpolation, and the density
+/// of [`Self::sample`] is positive wherever the radiance is. World space, +z up; radiance in the units of the source, linear RGB.
 ///
 /// A texel is drawn with a probability in proportion to its luminance times its solid angle, half its own and half the mean of the
 /// 3 x 3 texels around it, because the look-up reads neighbours; inside the texel the place is uniform in the square, over the
@@ -33,7 +33,7 @@ pub struct Light {
 }
 
 impl Light {
-    /// Texels along a side unless something else is asked for.
+    /// Default resolution: texels along a side.
     pub const SIZE: usize = 512;
     /// The most texels along a side.
     pub const LARGEST_SIZE: usize = 2048;

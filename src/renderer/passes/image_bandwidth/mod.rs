@@ -17,7 +17,7 @@ pub const COARSEST_LEVEL: usize = 5;
 /// The level of pixels of the background.
 pub(crate) const NO_LEVEL: u8 = u8::MAX;
 
-/// How angular bandwidth becomes image-space bandwidth.
+/// Transport of angular bandwidth to image-space bandwidth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Geometry {
     /// Times the speed at which the mirror direction passes over the image, in both directions of the surface.

@@ -41,13 +41,13 @@ pub(crate) fn mirror() -> Matrix2<f32> {
     Matrix2::new(1.0, 0.0, 0.0, -1.0)
 }
 
-/// How the BRDF limits what it reflects.
+/// Band limit of the BRDF on reflected light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BandLimit {
     /// The spectrum is a segment along nu, so a cut of its angular part shortens the whole of it:
     /// `B nu = min(1, rho / |nu_a|) nu + (t, 0)`, the sign of nu_s on t.
     Segment,
-    /// As published: `B nu = (nu_s + t, min(rho, nu_a))`; what was cut in angle goes on in space.
+    /// As published: `B nu = (nu_s + t, min(rho, nu_a))`; what is cut in angle remains in space.
     Published,
 }
 
@@ -65,10 +65,10 @@ impl BandLimit {
     }
 }
 
-/// What a path meets between the light and the eye.
+/// The events of a path between the light and the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bounce {
-    /// Distance from the light to the surface, world units; does nothing to a distant light.
+    /// Distance from the light to the surface, world units; has no effect on a distant light.
     pub(crate) d: f32,
     /// Distance from the surface to the eye, world units.
     pub(crate) d_eye: f32,

@@ -12,7 +12,7 @@ use crate::passes::material::ShadingMaterial;
 use crate::passes::pass::Pass;
 use crate::passes::pilot::points::{PilotPoints, TILE};
 
-/// What the published bound of the variance takes for the bandwidth of the light where that is infinite, cycles per radian.
+/// Bandwidth of the light in the published bound of the variance where the true one is infinite, cycles per radian.
 const PUBLISHED_LARGEST: f32 = 100.0;
 /// Fewest samples of a point: two of the BRDF and two of a light have a variance.
 pub(crate) const LEAST_SAMPLES: u32 = 4;
@@ -25,7 +25,7 @@ pub(crate) const GEOMETRY_BANDWIDTH: f32 = 1.0;
 /// Factor of the bandwidth of near lights, a margin of one level: interpolation needs more than Nyquist's rate.
 pub(crate) const NEAR_MARGIN: f32 = 2.0;
 
-/// What the samples of one pilot point say, with a texture of 1.
+/// Estimates of one pilot point, with a texture of 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Prediction {
     /// Angular bandwidth of what leaves the surface towards the eye, cycles per radian: the mean over the samples, weighted by
@@ -61,7 +61,7 @@ pub(crate) struct Path {
 /// Predictions per tile and material.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Pilot {
-    /// Where samples are taken.
+    /// The pilot points.
     pub(crate) points: PilotPoints,
     /// One per point.
     pub(crate) predictions: Vec<Prediction>,

@@ -1,4 +1,4 @@
-//! Where the pilot takes its samples: once per tile of 4 x 4 pixels and material in it.
+//! The pilot points: one per material in each tile of 4 x 4 pixels.
 
 use std::ops::Range;
 
