@@ -97,7 +97,7 @@ fn containers() -> Vec<Case> {
             "a-newline",
             [good_header(FULL), b"\n".to_vec()].concat(),
             "trailing-bytes",
-            &["trailing bytes: 1,", "cut"],
+            &["trailing bytes: 1,", "truncate it"],
         ),
         case("fourth-plane", appended(8 * CELLS), "trailing-bytes", &["trailing bytes: 11664000,"]),
         case(

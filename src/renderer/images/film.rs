@@ -346,9 +346,9 @@ mod tests {
         let infinite = no_number(f32::INFINITY).to_exr().unwrap();
         let no_colour = Film::new(2, 2).scalar("depth", [1.0; 4].into_iter()).to_exr().unwrap();
         for (bytes, expected) in [
-            (b"\x89PNG and so on".as_slice(), "not an OpenEXR image"),
-            (&whole[..whole.len() / 2], "not an OpenEXR image"),
-            (&whole[..40], "not an OpenEXR image"),
+            (b"\x89PNG and so on".as_slice(), "unreadable OpenEXR image"),
+            (&whole[..whole.len() / 2], "unreadable OpenEXR image"),
+            (&whole[..40], "unreadable OpenEXR image"),
             (&infinite, "channel G is inf at column 2, row 1"),
             (&no_colour, "cannot be used as a reference: no part of the file has the channels R, G and B"),
         ] {
