@@ -81,21 +81,20 @@ impl Rgl {
         hexadecimal(&Sha256::digest(&self.file[..]))
     }
 
-    /// The planes of all cells, computed once.
-    fn stored(&self) -> &[[u8; 8]] {
-        self.cells.get_or_init(|| {
-            let samples = Samples::new(GRID, POSITION);
+    /// The values of all cells, computed once.
+    fn table(&self) -> Cells<'_> {
+        let planes = self.cells.get_or_init(|| {
             let mut planes = vec![NO_MEASUREMENT.to_le_bytes(); CHANNELS * GRID.cells()];
-            for cell in 0..GRID.cells() {
+            let valid = valid_cells();
+            for cell in (0..GRID.cells()).filter(|&cell| valid.contains(cell)) {
                 let (theta_h, theta_d, phi_d) = GRID.bins(cell);
-                if is_above_horizon(samples.row(theta_h, theta_d).at(phi_d)) {
-                    for (channel, value) in self.cell_value([theta_h, theta_d, phi_d]).into_iter().enumerate() {
-                        planes[channel * GRID.cells() + cell] = value.to_le_bytes();
-                    }
+                for (channel, value) in self.cell_value([theta_h, theta_d, phi_d]).into_iter().enumerate() {
+                    planes[channel * GRID.cells() + cell] = value.to_le_bytes();
                 }
             }
             planes
-        })
+        });
+        Cells::new(GRID, Cow::Borrowed(planes), [1.0; CHANNELS])
     }
 
     /// Median over pairs of directions of |f(i, o) - f(o, i)| over the mean of the two, each the mean of the channels.
@@ -117,6 +116,15 @@ impl Rgl {
     }
 }
 
+/// The cells whose two directions lie above the horizon at their centre: an RGL table has a value for all of them.
+fn valid_cells() -> CellMask {
+    let samples = Samples::new(GRID, POSITION);
+    CellMask::from_fn(GRID.cells(), |cell| {
+        let (theta_h, theta_d, phi_d) = GRID.bins(cell);
+        is_above_horizon(samples.row(theta_h, theta_d).at(phi_d))
+    })
+}
+
 impl Measurement for Rgl {
     fn source(&self) -> &Source {
         &self.source
@@ -127,13 +135,8 @@ impl Measurement for Rgl {
     }
 
     fn survey(&self, _: bool) -> Result<Survey, MeasurementError> {
-        // every direction above the horizon has a value, and all were checked when the file was opened
-        let samples = Samples::new(GRID, POSITION);
-        let valid = CellMask::from_fn(GRID.cells(), |cell| {
-            let (theta_h, theta_d, phi_d) = GRID.bins(cell);
-            is_above_horizon(samples.row(theta_h, theta_d).at(phi_d))
-        });
-        Ok(Survey { sha256: self.sha256(), valid })
+        // every value was checked when the file was opened
+        Ok(Survey { sha256: self.sha256(), valid: valid_cells() })
     }
 
     fn slices(&self) -> Slices {
@@ -141,7 +144,7 @@ impl Measurement for Rgl {
     }
 
     fn cells(&self) -> Option<Cells<'_>> {
-        Some(Cells::new(GRID, Cow::Borrowed(self.stored()), [1.0; CHANNELS]))
+        Some(self.table())
     }
 
     fn brdf(&self) -> Result<Box<dyn Brdf>, MeasurementError> {
@@ -150,7 +153,7 @@ impl Measurement for Rgl {
 
     fn info(&self, checks: &HealthChecks) -> Described {
         let check = checks.of(GRID, POSITION);
-        let cells = Cells::new(GRID, Cow::Borrowed(self.stored()), [1.0; CHANNELS]);
+        let cells = self.table();
         let path = &self.source.path;
         let summary = Summary {
             name: path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),

@@ -157,13 +157,10 @@ mod tests {
     use super::*;
     use crate::test_scenes::plane;
 
-    fn point(level: u8, material: u16, column: u16, row: u16) -> ShadingPoint {
-        ShadingPoint { level, material, column, row }
-    }
-
     #[test]
     fn jobs_cover_the_list_and_keep_materials_apart() {
-        let points: Vec<ShadingPoint> = (0..60).map(|n| point(0, u16::from(n >= 25), n, 0)).collect();
+        let point = |column| ShadingPoint { level: 0, material: u16::from(column >= 25), column, row: 0 };
+        let points: Vec<ShadingPoint> = (0..60).map(point).collect();
         let counts = SampleCounts { samples: vec![1000; 60], prefiltered: vec![false; 60] };
         let gbuffer = plane(60, 1, 1.0);
         let lights = LightSet::default();
